@@ -7,18 +7,23 @@
 """
 
 from greenstick import errors
+from greenstick._arrays import Voxels
 from greenstick._native import (
     Anatomy,
+    BendTest,
     Broken,
+    Film,
     Frame,
     Mesh,
     Node,
     Picture,
     Piece,
     Request,
+    Rings,
     Run,
     Scene,
     Session,
+    Skin,
     Species,
     __version__,
     anatomy,
@@ -26,6 +31,7 @@ from greenstick._native import (
     break_wood,
     built_in_branch,
     presets,
+    rings,
     simulate,
     species,
 )
@@ -33,8 +39,10 @@ from greenstick.errors import Cancelled, GreenstickError
 
 __all__ = [
     "Anatomy",
+    "BendTest",
     "Broken",
     "Cancelled",
+    "Film",
     "Frame",
     "GreenstickError",
     "Mesh",
@@ -42,10 +50,13 @@ __all__ = [
     "Picture",
     "Piece",
     "Request",
+    "Rings",
     "Run",
     "Scene",
     "Session",
+    "Skin",
     "Species",
+    "Voxels",
     "__version__",
     "anatomy",
     "bend_test",
@@ -53,6 +64,7 @@ __all__ = [
     "built_in_branch",
     "errors",
     "presets",
+    "rings",
     "simulate",
     "species",
 ]

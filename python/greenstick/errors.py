@@ -62,12 +62,20 @@ class AnatomyError(GreenstickError):
     """The inside of the stem cannot be made."""
 
 
+class SectionError(GreenstickError, ValueError):
+    """A section has no rings."""
+
+
 class BendingError(GreenstickError):
     """A bending test cannot be made."""
 
 
 class SimulateError(GreenstickError):
     """A scene cannot be simulated."""
+
+
+class FilmError(GreenstickError):
+    """No skin or film can be made of a run."""
 
 
 class FormatError(GreenstickError):

@@ -1,17 +1,16 @@
 //! The inside of a stem.
 
-use crate::convert::report;
+use crate::convert::{encoded_files, report, write_files};
 use crate::failure::Failure;
 use crate::scene::Scene;
 use crate::values::each;
 use crate::work;
 use greenstick::anatomy::{AnatomyFile, AnatomyInput, anatomy_files};
-use greenstick::files;
 use greenstick::scanning::outline_error;
 use greenstick::schema::Parameters;
 use greenstick_sweep::Input;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::PyDict;
 use std::path::{Path, PathBuf};
 
 /// The inside of a stem: its numbers, and tables, pictures and volumes as files in memory.
@@ -33,15 +32,22 @@ impl Anatomy {
         foreign.call_method1("parquet_table", (self.files.bind(py), name))
     }
 
+    /// A table as a dictionary of arrays of shape (n,), such as "particles": read from the PLY file, whose columns are views into
+    /// its bytes, or from comma-separated values. Names of columns and units are those of the files.
+    fn arrays<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+        let arrays = py.import("greenstick._arrays")?;
+        arrays.call_method1("columns", (self.files.bind(py), name))
+    }
+
+    /// The voxels: a `Voxels` for each straight part of the stem; they take `only=["volume"]`. Copies.
+    fn voxels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let arrays = py.import("greenstick._arrays")?;
+        arrays.call_method1("voxels", (self.files.bind(py),))
+    }
+
     /// Writes all files into a folder, all or none.
     fn write(&self, py: Python<'_>, folder: PathBuf) -> PyResult<()> {
-        let mut encoded = Vec::new();
-        for (name, bytes) in self.files.bind(py) {
-            let (name, bytes): (String, Vec<u8>) = (name.extract()?, bytes.extract()?);
-            encoded.push(greenstick::formats::Encoded::new(&name, bytes));
-        }
-        let written = files::write_folder(&folder, encoded);
-        written.map(drop).map_err(|e| Failure::from(e).into())
+        write_files(self.files.bind(py), &folder)
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {
@@ -105,10 +111,7 @@ pub fn anatomy<'py>(
         };
         Ok(anatomy_files(&about, &file.request, context)?)
     })?;
-    let files = PyDict::new(py);
-    for encoded in &made.files {
-        files.set_item(&encoded.name, PyBytes::new(py, &encoded.bytes))?;
-    }
+    let files = encoded_files(py, &made.files)?;
     Ok(Anatomy {
         report: report(py, &made.report)?.unbind(),
         files: files.unbind(),

@@ -87,3 +87,18 @@ pub fn rows<T: Element + Copy>(
     let data = plain.readonly().as_slice()?.to_vec();
     Ok((data, shape[0]))
 }
+
+/// Checks that rows of `columns` numbers are finite.
+///
+/// # Errors
+/// `InputError` that names the first that is not.
+pub fn check_finite(name: &str, flat: &[f64], columns: usize) -> PyResult<()> {
+    let Some(at) = flat.iter().position(|x| !x.is_finite()) else {
+        return Ok(());
+    };
+    let (row, column, found) = (at / columns, at % columns, flat[at]);
+    Err(Failure::value(format!(
+        "{name}[{row}, {column}] is {found}; expected finite numbers"
+    ))
+    .into())
+}

@@ -1,11 +1,16 @@
 //! Values between Python and the library: parameters, and reports as dictionaries.
 
 use crate::failure::Failure;
+use glam::DVec2;
 use greenstick::ErrorKind;
+use greenstick::files;
+use greenstick::formats::Encoded;
 use greenstick::schema::Value;
+use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString};
+use pyo3::types::{PyBool, PyBytes, PyDict, PyFloat, PyInt, PyList, PyString};
 use serde::Serialize;
+use std::path::Path;
 
 /// What `__reduce__` returns: what makes the value again, and what it is called with.
 pub type Reduced<'py, T> = PyResult<(Bound<'py, PyAny>, T)>;
@@ -68,8 +73,7 @@ pub fn from_python(key: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
 
 /// A report as dictionaries, lists and numbers.
 pub fn report<'py>(py: Python<'py>, report: &impl Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let value = serde_json::to_value(report)
-        .map_err(|e| Failure::new("ReportError", ErrorKind::Work, e))?;
+    let value = serde_json::to_value(report).map_err(Failure::report)?;
     json(py, &value)
 }
 
@@ -97,4 +101,36 @@ pub fn json<'py>(py: Python<'py>, value: &serde_json::Value) -> PyResult<Bound<'
             dict.into_any()
         }
     })
+}
+
+/// Points of a plane as an array of shape (n, 2).
+pub fn points<'py>(py: Python<'py>, points: &[DVec2]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let rows: Vec<Vec<f64>> = points.iter().map(|p| p.to_array().to_vec()).collect();
+    Ok(PyArray2::from_vec2(py, &rows).map_err(|e| Failure::value(e.to_string()))?)
+}
+
+/// A table as comma-separated values, as a dictionary of its columns.
+pub fn columns<'py>(py: Python<'py>, csv: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("greenstick._arrays")?
+        .call_method1("csv_columns", (csv,))
+}
+
+/// Encoded files as a dictionary of their names and bytes.
+pub fn encoded_files<'py>(py: Python<'py>, files: &[Encoded]) -> PyResult<Bound<'py, PyDict>> {
+    let dictionary = PyDict::new(py);
+    for file in files {
+        dictionary.set_item(&file.name, PyBytes::new(py, &file.bytes))?;
+    }
+    Ok(dictionary)
+}
+
+/// Writes such a dictionary into a folder, all files or none.
+pub fn write_files(dictionary: &Bound<'_, PyDict>, folder: &Path) -> PyResult<()> {
+    let mut encoded = Vec::new();
+    for (name, bytes) in dictionary {
+        let (name, bytes): (String, Vec<u8>) = (name.extract()?, bytes.extract()?);
+        encoded.push(Encoded::new(&name, bytes));
+    }
+    let written = files::write_folder(folder, encoded);
+    written.map(drop).map_err(|e| Failure::from(e).into())
 }

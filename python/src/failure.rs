@@ -9,6 +9,7 @@ use greenstick::wood::species::UnknownSpecies;
 use greenstick::{Error, ErrorKind, RequestFileError};
 use greenstick_sweep::InputError;
 use pyo3::prelude::*;
+use std::path::Path;
 
 /// An error on its way to Python.
 #[derive(Debug)]
@@ -31,6 +32,19 @@ impl Failure {
     /// A request that is wrong in a way that only Python knows, such as an array of another shape.
     pub fn value(message: impl ToString) -> Self {
         Failure::new("InputError", ErrorKind::Request, message)
+    }
+
+    /// A report that cannot be turned into JSON.
+    pub fn report(error: serde_json::Error) -> Self {
+        Failure::new("ReportError", ErrorKind::Work, error)
+    }
+
+    /// Puts the name of a file before the message.
+    pub fn about(self, file: &Path) -> Self {
+        Failure {
+            message: format!("{}: {}", file.display(), self.message),
+            ..self
+        }
     }
 }
 

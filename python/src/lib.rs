@@ -9,9 +9,11 @@ mod bending;
 mod broken;
 mod convert;
 mod failure;
+mod films;
 mod mesh;
 mod pictures;
 mod request;
+mod rings;
 mod scene;
 mod session;
 mod simulation;
@@ -26,15 +28,19 @@ mod _native {
     #[pymodule_export]
     use super::anatomy::{Anatomy, anatomy};
     #[pymodule_export]
-    use super::bending::bend_test;
+    use super::bending::{BendTest, bend_test};
     #[pymodule_export]
     use super::broken::{Broken, break_wood};
+    #[pymodule_export]
+    use super::films::{Film, Skin};
     #[pymodule_export]
     use super::mesh::Mesh;
     #[pymodule_export]
     use super::pictures::Picture;
     #[pymodule_export]
     use super::request::{Request, presets};
+    #[pymodule_export]
+    use super::rings::{Rings, rings};
     #[pymodule_export]
     use super::scene::{Node, Scene, built_in_branch};
     #[pymodule_export]

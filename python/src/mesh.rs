@@ -42,14 +42,7 @@ impl Mesh {
                 kinds: "fiu",
             },
         )?;
-        if let Some(at) = flat.iter().position(|x| !x.is_finite()) {
-            let (row, column) = (at / 3, at % 3);
-            let found = flat[at];
-            return Err(Failure::value(format!(
-                "positions[{row}, {column}] is {found}; expected finite numbers"
-            ))
-            .into());
-        }
+        arrays::check_finite("positions", &flat, 3)?;
         let triangles = indices(triangles, vertices)?;
         let mut mesh = Triangles {
             positions: flat.chunks_exact(3).map(DVec3::from_slice).collect(),

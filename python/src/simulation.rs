@@ -1,8 +1,9 @@
 //! Simulation: scenes that move until wood breaks, frame by frame.
 
 use crate::arrays;
-use crate::convert::report;
+use crate::convert::{columns, report};
 use crate::failure::Failure;
+use crate::films::{Asked, Film, Recording, Skin};
 use crate::scene::Scene;
 use crate::values::each;
 use crate::work;
@@ -10,18 +11,22 @@ use greenstick::ErrorKind;
 use greenstick::fibre::Event;
 use greenstick::fibre::scene::{Scene as Setting, SceneError, StemChoice};
 use greenstick::fibre::store::{
-    Checkpoint, EnergyRow, ForceRow, Frame as Recorded, FrameTimes, Progress,
+    Checkpoint, EnergyRow, ForceRow, Frame as Recorded, FrameTimes, Progress, Record,
 };
-use greenstick::files::read_text;
+use greenstick::files;
+use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
+use greenstick::formats::Reach;
+use greenstick::geometry::Scene as Meshes;
 use greenstick::schema::Parameters;
 use greenstick::simulate::{
     MemoryRun, RunError, RunSink, RunSource, SceneMeshes, SimulateError, SimulateRequest,
     simulate as run_scene,
 };
+use greenstick_sweep::input::up_axis;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
 
@@ -100,41 +105,151 @@ impl Frame {
     }
 }
 
-/// A run in memory.
+/// A run: in memory as `simulate` made it, or in a folder as the program left it.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Run {
-    run: MemoryRun,
-    /// The report as the program prints it with `--json`.
+    recording: Recording,
+    /// The report as the program prints it with `--json`; None of a run that was read from a folder.
     #[pyo3(get)]
-    report: Py<PyAny>,
+    report: Option<Py<PyAny>>,
 }
 
 #[pymethods]
 impl Run {
+    /// The run in a folder, as the program's `simulate` leaves it. `mesh` is the mesh that it is of, in place of the file that it
+    /// remembers.
+    #[staticmethod]
+    #[pyo3(signature = (folder, mesh=None))]
+    fn read(py: Python<'_>, folder: PathBuf, mesh: Option<&Scene>) -> PyResult<Self> {
+        let mesh = mesh.map(with_images);
+        let recording = work::run(py, None, |_| {
+            let origin = Origin::read(&folder)?;
+            let input = match (mesh, origin.input_file()) {
+                (Some(mesh), _) => Some(mesh),
+                (None, Some((path, unit))) => {
+                    let mut scene = files::read(&path, unit)?;
+                    files::embed_images(&mut scene, &path);
+                    Some(scene)
+                }
+                (None, None) => None,
+            };
+            let beside = origin.beside.clone();
+            let run = RunFolder::new(&folder, origin);
+            let scene = run.scene()?;
+            // What it may read was decided when it was simulated.
+            let bodies = read_body_meshes(&scene, &beside, Reach::Outside)?;
+            Ok(Recording {
+                source: Arc::new(run),
+                meshes: SceneMeshes { input, bodies },
+            })
+        })?;
+        Ok(Run {
+            recording,
+            report: None,
+        })
+    }
+
     /// Times of the frames, s.
     #[getter]
     fn times(&self) -> PyResult<Vec<f64>> {
-        Ok(self.run.frames().map_err(Failure::from)?.times)
+        let frames = self.recording.source.frames().map_err(Failure::from)?;
+        Ok(frames.times)
     }
 
-    /// A frame by its number from 0. Its memory is that of the run.
+    /// A frame by its number from 0.
     fn frame(&self, number: usize) -> PyResult<Frame> {
-        Ok(Frame(self.run.frame(number).map_err(Failure::from)?))
+        let frame = self.recording.source.frame(number);
+        Ok(Frame(frame.map_err(Failure::from)?))
     }
 
     /// What broke and when: dictionaries.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        report(py, &self.run.events().map_err(Failure::from)?)
+        report(py, &self.recording.source.events().map_err(Failure::from)?)
+    }
+
+    /// Energies over time: arrays of shape (n,), float64, whose names end with the unit. Copies.
+    #[getter]
+    fn energies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rows = self.recording.source.energies().map_err(Failure::from)?;
+        table(py, Record::Energies, rows.iter().map(EnergyRow::line))
+    }
+
+    /// Forces of clamps and bodies on the wood over time, and how far they have moved: arrays of shape (n,), whose names end with
+    /// the unit. Copies.
+    #[getter]
+    fn forces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let rows = self.recording.source.forces().map_err(Failure::from)?;
+        table(py, Record::Forces, rows.iter().map(ForceRow::line))
+    }
+
+    /// Makes the skin of a frame, counted from 0 or from −1 backwards: the mesh that was simulated, cut along the faces that the
+    /// run decided, or the skin of the rods.
+    ///
+    /// Keys are those of the program's `skin`: `texture_size=512`, `no_bodies=True`, `slabs=0.4`. `faces` is "drawn", "rods" or
+    /// None for those that show the run best. `field` colours the wood by "strain" or "damage".
+    #[pyo3(signature = (frame=-1, settings=None, *, faces=None, field=None, progress=None, **keys))]
+    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
+    fn skin(
+        &self,
+        py: Python<'_>,
+        frame: i64,
+        settings: Option<&Bound<'_, PyDict>>,
+        faces: Option<&str>,
+        field: Option<&str>,
+        progress: Option<&Bound<'_, PyAny>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Skin> {
+        let asked = Asked::new(faces, field, [settings, keys])?;
+        let recording = &self.recording;
+        work::run(py, progress, |context| {
+            recording.skin(frame, &asked, context)
+        })
+    }
+
+    /// Makes a film of all frames, or of `frames="30..60"`. Arguments are those of `skin`.
+    #[pyo3(signature = (settings=None, *, faces=None, field=None, progress=None, **keys))]
+    fn film(
+        &self,
+        py: Python<'_>,
+        settings: Option<&Bound<'_, PyDict>>,
+        faces: Option<&str>,
+        field: Option<&str>,
+        progress: Option<&Bound<'_, PyAny>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Film> {
+        let asked = Asked::new(faces, field, [settings, keys])?;
+        let recording = &self.recording;
+        work::run(py, progress, |context| recording.film(asked, context))
     }
 
     fn __len__(&self) -> PyResult<usize> {
-        Ok(self.run.frames().map_err(Failure::from)?.count())
+        let frames = self.recording.source.frames().map_err(Failure::from)?;
+        Ok(frames.count())
     }
 
     fn __repr__(&self) -> PyResult<String> {
         Ok(format!("<greenstick.Run {} frames>", self.__len__()?))
     }
+}
+
+/// The meshes of a scene with the images that its file refers to.
+fn with_images(scene: &Scene) -> Meshes {
+    let mut meshes = (*scene.scene).clone();
+    if let Some(path) = &scene.path {
+        files::embed_images(&mut meshes, path);
+    }
+    meshes
+}
+
+/// The columns of a run's table.
+fn table<'py>(
+    py: Python<'py>,
+    record: Record,
+    lines: impl Iterator<Item = String>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let header = String::from_utf8_lossy(&record.header()).into_owned();
+    columns(py, &lines.fold(header, |text, line| text + &line))
 }
 
 /// A run in memory that sends its frames on.
@@ -230,26 +345,33 @@ pub fn simulate(
     progress: Option<&Bound<'_, PyAny>>,
     keys: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Run> {
+    let mut beside = PathBuf::new();
     let mut setting = if scene.contains('\n') {
         Setting::read(scene).map_err(scene_failure)?
     } else if scene.ends_with(".toml") {
-        let text = read_text(&PathBuf::from(scene)).map_err(Failure::from)?;
-        Setting::read(&text).map_err(scene_failure)?
+        let path = Path::new(scene);
+        beside = path.parent().unwrap_or(&beside).to_owned();
+        let text = files::read_text(path).map_err(Failure::from)?;
+        let read = Setting::read(&text).map_err(scene_failure);
+        read.map_err(|failure| failure.about(path))?
     } else {
         Setting::built_in(scene).map_err(scene_failure)?
     };
     each([settings, keys], |key, value| {
         Ok(Parameters::set(&mut setting, key, value)?)
     })?;
-    if mesh.is_some() {
+    if let Some(mesh) = mesh {
         setting.stem.kind = StemChoice::Input;
+        let up = mesh.path.as_deref().and_then(up_axis);
+        setting.stem.up = setting.stem.up.or(up);
     }
     setting.check().map_err(scene_failure)?;
+    let bodies = read_body_meshes(&setting, &beside, Reach::Folder).map_err(Failure::from)?;
     let request = SimulateRequest {
         scene: setting,
         meshes: SceneMeshes {
-            input: mesh.map(|mesh| (*mesh.scene).clone()),
-            bodies: Vec::new(),
+            input: mesh.map(with_images),
+            bodies,
         },
         resume: false,
     };
@@ -271,7 +393,10 @@ pub fn simulate(
         },
     )?;
     Ok(Run {
-        run,
-        report: report(py, &found)?.unbind(),
+        recording: Recording {
+            source: Arc::new(run),
+            meshes: request.meshes,
+        },
+        report: Some(report(py, &found)?.unbind()),
     })
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import pickle
 import subprocess
 import threading
@@ -12,9 +11,9 @@ import numpy as np
 import pytest
 
 import greenstick
+from conftest import PROGRAM, ROOT
 from greenstick import Request, Session, errors
 
-ROOT = Path(__file__).parents[2]
 RECIPE = """
 preset = "splintering-tension"
 species = "white oak"
@@ -28,15 +27,6 @@ seed = 7
 
 
 @pytest.fixture(scope="module")
-def program() -> Path:
-    """The program, built before the tests run."""
-    path = Path(os.environ.get("GREENSTICK_PROGRAM", ROOT / "target/release/greenstick"))
-    if not path.exists():
-        pytest.fail(f"{path} is not built; `cargo build --release` builds it")
-    return path
-
-
-@pytest.fixture(scope="module")
 def small() -> Request:
     """A request that takes a fraction of a second."""
     return Request(texture_size=64, rings=8, sectors=12, seed=7)
@@ -44,7 +34,7 @@ def small() -> Request:
 
 @pytest.mark.parametrize("source", ["built-in", "quaternius_DeadTree_1.gltf"])
 def test_the_same_recipe_gives_the_same_bytes_as_the_program(
-    program: Path, tmp_path: Path, source: str
+    tmp_path: Path, source: str
 ) -> None:
     text = RECIPE
     if source != "built-in":
@@ -52,7 +42,7 @@ def test_the_same_recipe_gives_the_same_bytes_as_the_program(
     recipe = tmp_path / "recipe.toml"
     recipe.write_text(text)
     ours, theirs = tmp_path / "ours.glb", tmp_path / "theirs.glb"
-    command: list[str | Path] = [program, "break", "--recipe", recipe, "-o", theirs, "--picture", tmp_path / "theirs.png", "--quiet"]
+    command: list[str | Path] = [PROGRAM, "break", "--recipe", recipe, "-o", theirs, "--picture", tmp_path / "theirs.png", "--quiet"]
     subprocess.run(command, check=True)
     broken = greenstick.break_wood(Request.read(recipe))
     assert broken.write(ours) == [ours]

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-import os
+import json
 import pickle
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import greenstick
+from conftest import PROGRAM
+from conftest import SNAP as SNAP_FILE
 from greenstick import errors
 
-ROOT = Path(__file__).parents[2]
-SNAP = str(ROOT / ".ci/snap.toml")
-PROGRAM = Path(os.environ.get("GREENSTICK_PROGRAM", ROOT / "target/release/greenstick"))
+SNAP = str(SNAP_FILE)
 
 
 def test_the_inside_is_that_of_the_program(tmp_path: Path) -> None:
@@ -64,10 +65,45 @@ def test_a_run_tells_of_every_frame_and_stops_when_told() -> None:
         greenstick.simulate("ben")
 
 
+@pytest.mark.parametrize(
+    ("options", "species", "keys", "table"),
+    [
+        ((), "white oak", {}, "load-deflection"),
+        (("--moisture", "30", "--rods", "25"), "Sitka spruce", {"moisture": 30, "rods": 25}, "events"),
+        (("--specimens", "3", "--rods", "16"), "white oak", {"specimens": 3, "rods": 16}, "specimens"),
+    ],
+)
+def test_bending_tests_are_those_of_the_program(
+    tmp_path: Path, options: tuple[str, ...], species: str, keys: dict[str, Any], table: str
+) -> None:
+    ours = greenstick.bend_test(species, **keys)
+    command: list[str | Path] = [PROGRAM, "bend-test", "--species", species, *options, "-o", tmp_path / "theirs", "--json"]
+    printed = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    theirs = {path.name: path.read_bytes() for path in (tmp_path / "theirs").iterdir()}
+    assert ours.files == theirs
+    assert ours.report.items() <= printed.items()
+    columns = ours.arrays(table)
+    header = theirs[f"{table}.csv"].decode().partition("\n")[0]
+    assert list(columns) == header.split(",")
+    ours.write(tmp_path / "ours")
+    assert {path.name for path in (tmp_path / "ours").iterdir()} == theirs.keys()
+    again = pickle.loads(pickle.dumps(ours))
+    assert again.files == ours.files and again.report == ours.report
+    assert (ours._repr_png_() or b"").startswith(b"\x89PNG")
+
+
 def test_a_bending_test_is_beside_the_tables() -> None:
-    report = greenstick.bend_test("white oak")
-    assert report["species"] == "Oak, white"
+    test = greenstick.bend_test("white oak")
+    assert test.report["species"] == "Oak, white"
+    curve = test.arrays("load-deflection")
+    assert curve["load_N"].max() == pytest.approx(test.report["maximum"]["load_n"])
+    assert curve["load_N"].dtype == np.float64 and curve["rods_broken"].dtype == np.int64
+    assert (np.diff(curve["deflection_m"]) >= 0).all()
     with pytest.raises(errors.SpeciesError):
         greenstick.bend_test("nothing")
     with pytest.raises(errors.ParameterError, match="moisture is -1"):
         greenstick.bend_test("white oak", moisture=-1)
+    with pytest.raises(errors.InputError, match="specimens are of one species"):
+        greenstick.bend_test(specimens=5)
+    with pytest.raises(KeyError, match="load-deflection"):
+        test.arrays("none")

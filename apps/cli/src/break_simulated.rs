@@ -23,6 +23,7 @@ use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFaces};
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run, SkinReport, Still};
 use greenstick::{BreakReport, Broken, picture_of_break};
 use greenstick_sweep::Input;
+use greenstick_sweep::input::up_axis;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -248,7 +249,7 @@ fn read_mesh(
     let loaded = Input::load(path, at, request.file.unit, &request.file.scan, context)?;
     setting.stem.at = loaded.place;
     setting.stem.kind = StemChoice::Input;
-    setting.stem.up = setting.stem.up.or(simulate::up_axis(path));
+    setting.stem.up = setting.stem.up.or(up_axis(path));
     let mut scene = loaded.scene;
     if let Some(pieces) = &targets.pieces {
         files::carry_images(&mut scene, path, pieces);

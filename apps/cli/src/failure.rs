@@ -16,6 +16,7 @@ use greenstick::skin::film;
 use greenstick::wood::anatomy::AnatomyError;
 use greenstick::wood::scan::ScanError;
 use greenstick::wood::stem::{StemError, StemLocation};
+use greenstick_sweep::shown::ShowError;
 use greenstick_sweep::{InputError, SweepError};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -187,6 +188,16 @@ impl From<InputError> for Failure {
             InputError::File(error) => error.into(),
             InputError::Scan { path, error } => Failure::from(*error).about(&path),
             InputError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
+}
+
+impl From<ShowError> for Failure {
+    fn from(error: ShowError) -> Self {
+        match error {
+            ShowError::Film(error) => error.into(),
+            ShowError::Faces(error) => error.into(),
+            ShowError::Cancelled(cancelled) => cancelled.into(),
         }
     }
 }

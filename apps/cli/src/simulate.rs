@@ -6,11 +6,11 @@ use crate::failure::{Failure, print, room_hint};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::skin::{self, FilmPlan, is_film};
-use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice, UpChoice};
+use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice};
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, FileError, Output};
 use greenstick::film::open_run;
-use greenstick::formats::{self, Format, InputFormat, LengthUnit, Reach};
+use greenstick::formats::{self, Format, LengthUnit, Reach};
 use greenstick::geometry::{Context, Metadata, Provenance, Scene as Mesh, Stage};
 use greenstick::picture::PictureOptions;
 use greenstick::provenance;
@@ -21,6 +21,7 @@ use greenstick::simulate::{
 };
 use greenstick::wood::scan::with_scan;
 use greenstick_sweep::Input;
+use greenstick_sweep::input::up_axis;
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -174,16 +175,6 @@ fn read_stem(
     Ok(StemInput {
         scene: read,
         scan: Some((bark, scan)),
-    })
-}
-
-/// The axis that points up in a file, by its format.
-pub fn up_axis(path: &Path) -> Option<UpChoice> {
-    let format = InputFormat::from_path(path)?;
-    Some(if format.is_z_up() {
-        UpChoice::Z
-    } else {
-        UpChoice::Y
     })
 }
 

@@ -1,7 +1,6 @@
 //! `greenstick skin`: from a run's folder to a frame or a film of its skin.
 
 mod engines;
-mod film;
 mod outputs;
 mod plan;
 
@@ -13,8 +12,6 @@ use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::video::{Scratch, check_ffmpeg, encode, is_video, pictures};
 use engines::Engines;
-pub use film::RunFilm;
-use film::RunStill;
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, Batch, Output};
 use greenstick::film::{FilmError, open_run, write_series};
@@ -26,6 +23,7 @@ use greenstick::provenance;
 use greenstick::simulate::{RunSource, SceneMeshes};
 use greenstick::simulated_faces::SimulatedFaceReport;
 use greenstick::skin::film::{Run, SkinReport};
+use greenstick_sweep::shown::{RunFilm, RunStill};
 use outputs::{ending, in_folder};
 pub use plan::FilmPlan;
 use serde::Serialize;
@@ -208,6 +206,13 @@ struct Made {
     engines: Engines,
 }
 
+/// The report of a skin, and what its faces were made from.
+fn owned(
+    (skin, faces): (&SkinReport, &[SimulatedFaceReport]),
+) -> (SkinReport, Vec<SimulatedFaceReport>) {
+    (skin.clone(), faces.to_vec())
+}
+
 fn still(
     mut run: Run,
     number: i64,
@@ -247,7 +252,7 @@ fn still(
         .iter()
         .map(|o| (o.path.display().to_string(), o.bytes.len()));
     Ok(Made {
-        skin: Some(still.into_report()),
+        skin: Some(owned(still.report())),
         files: files.collect(),
         ..Made::default()
     })
@@ -261,7 +266,7 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
         made.skinned().film.metadata = run_provenance(&run).metadata();
         let files = frame_pictures(&run, &mut made, plan, &shots)?;
         return Ok(Made {
-            skin: Some(made.into_report()),
+            skin: Some(owned(made.report())),
             files,
             ..Made::default()
         });
@@ -308,7 +313,7 @@ fn film(mut run: Run, plan: &FilmPlan, context: &Context) -> Result<Made, Failur
         let bytes = encode(&folder, run.scene.frames_per_second, path, &ending)?;
         shown.push((path.display().to_string(), bytes));
         return Ok(Made {
-            skin: Some(made.into_report()),
+            skin: Some(owned(made.report())),
             files: shown,
             ..Made::default()
         });
@@ -356,7 +361,7 @@ fn write_film(
     let engines = engines::write(made.skinned(), plan, path, &mut batch, extras)?;
     batch.finish()?;
     Ok(Made {
-        skin: Some(made.into_report()),
+        skin: Some(owned(made.report())),
         film: Some(written),
         files,
         engines,

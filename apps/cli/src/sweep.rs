@@ -10,8 +10,9 @@ use greenstick::schema::{Parameters, markdown_tables};
 use greenstick_sweep::journal::{Done, Journal, Record};
 use greenstick_sweep::sheet::write_sheet;
 use greenstick_sweep::table::{TABLE_FILE, write_table};
+use greenstick_sweep::variant::BendFile;
 use greenstick_sweep::worker::remove_leftovers;
-use greenstick_sweep::{Sweep, SweepError, SweepSettings, Worker};
+use greenstick_sweep::{Sweep, SweepError, SweepSettings, Variant, Worker};
 use serde::Serialize;
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::Path;
@@ -102,8 +103,10 @@ pub fn run(options: &SweepOptions) -> Result<ExitCode, Failure> {
 /// The reference page of the table `[sweep]`.
 fn reference() -> String {
     let tables = markdown_tables(&SweepSettings::table(), "##");
+    let bending = markdown_tables(&BendFile::table(), "##");
     format!(
-        "# Sweeps\n\nThe table `[sweep]` of a sweep; all else in it is a [recipe](parameters.md), and `[vary]`.\n{tables}"
+        "# Sweeps\n\nThe table `[sweep]` of a sweep; all else in it, by its kind, is a [recipe](parameters.md), the keys of a \
+         [scene](scenes.md), or those of a bending test, below; and `[vary]`.\n{tables}\n{bending}"
     )
 }
 
@@ -118,14 +121,15 @@ pub fn read(path: &Path) -> Result<Sweep, Failure> {
     })
 }
 
-/// Prints the recipe of a variant.
+/// Prints what decides a variant: a recipe, a scene, or the keys of a bending test.
 fn show(sweep: &Sweep, number: u64) -> Result<ExitCode, Failure> {
-    let mut file = sweep.request(number)?.map_err(Failure::request)?;
-    if let Some(path) = sweep.input_path(&file) {
+    let mut variant = sweep.variant(number)?.map_err(Failure::request)?;
+    let input = sweep.input_path(&variant);
+    if let (Variant::Break(file), Some(path)) = (&mut variant, input) {
         let path = std::path::absolute(path).map_err(Failure::work)?;
         file.input = Some(path.display().to_string());
     }
-    print(&file.to_toml())?;
+    print(&variant.to_toml())?;
     Ok(ExitCode::SUCCESS)
 }
 

@@ -1,11 +1,11 @@
 //! Pictures of a film's frames, and a video of them by ffmpeg where that is installed.
 
 use crate::failure::Failure;
-use crate::skin::RunFilm;
 use greenstick::files::{self, Output};
 use greenstick::geometry::Context;
 use greenstick::picture::PictureOptions;
 use greenstick::skin::film::Run;
+use greenstick_sweep::shown::RunFilm;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;

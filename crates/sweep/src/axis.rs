@@ -2,8 +2,7 @@
 
 use crate::error::SweepError;
 use crate::keys;
-use greenstick::RequestFile;
-use greenstick::schema::{Kind, ParameterInfo, Scale, Value};
+use greenstick::schema::{Kind, ParameterInfo, Parameters, Scale, Value};
 use toml::Value as Toml;
 
 /// Most values of one key.
@@ -38,7 +37,7 @@ pub enum Values {
     },
 }
 
-/// A key of the recipe and its values.
+/// A key and its values.
 #[derive(Debug, Clone)]
 pub struct Axis {
     /// The parameter.
@@ -52,7 +51,7 @@ impl Axis {
     ///
     /// # Errors
     /// [`SweepError::Vary`]: an unknown key, with the nearest; values that the key does not take.
-    pub fn read(base: &RequestFile, key: &str, value: &Toml) -> Result<Self, SweepError> {
+    pub fn read(base: &dyn Parameters, key: &str, value: &Toml) -> Result<Self, SweepError> {
         let wrong = |problem: String| SweepError::Vary {
             key: key.to_owned(),
             problem,

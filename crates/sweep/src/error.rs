@@ -1,6 +1,7 @@
 //! Errors of sweeps.
 
 use greenstick::ErrorKind;
+use greenstick::fibre::scene::SceneError;
 use greenstick::files::FileError;
 use greenstick::fracture::recipe::RecipeError;
 use greenstick::geometry::Cancelled;
@@ -14,6 +15,17 @@ pub enum SweepError {
     /// The recipe in the sweep is wrong, or its syntax.
     #[error(transparent)]
     Recipe(Box<RecipeError>),
+    /// The scene is wrong, or there is none of that name.
+    #[error(transparent)]
+    Scene(Box<SceneError>),
+    /// The file of the scene is wrong.
+    #[error("{}: {error}", path.display())]
+    SceneFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        error: Box<SceneError>,
+    },
     /// Something that varies is wrong.
     #[error("[vary] {key}: {problem}")]
     Vary {
@@ -86,6 +98,8 @@ impl SweepError {
             SweepError::File(error) => error.kind(),
             SweepError::Io { .. } | SweepError::AtWork { .. } => ErrorKind::Work,
             SweepError::Recipe(_)
+            | SweepError::Scene(_)
+            | SweepError::SceneFile { .. }
             | SweepError::Vary { .. }
             | SweepError::TooMany { .. }
             | SweepError::NoVariant { .. }
@@ -101,6 +115,12 @@ impl SweepError {
             path: path.clone(),
             source,
         }
+    }
+}
+
+impl From<SceneError> for SweepError {
+    fn from(error: SceneError) -> Self {
+        SweepError::Scene(error.into())
     }
 }
 

@@ -1,7 +1,8 @@
 //! Loading of inputs: meshes as they are, point clouds as the bark of the stem that they show.
 
+use greenstick::fibre::scene::UpChoice;
 use greenstick::files::{self, FileError};
-use greenstick::formats::{Content, LengthUnit};
+use greenstick::formats::{Content, InputFormat, LengthUnit};
 use greenstick::geometry::{Cancelled, Context, ErrorKind, PointCloud, Scene};
 use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan_to_scene};
 use greenstick::wood::stem::StemLocation;
@@ -147,4 +148,14 @@ impl Input {
         broken.scene.metadata = provenance.metadata();
         broken.report.scan = self.scan.clone();
     }
+}
+
+/// The axis that points up in a file, by its format.
+pub fn up_axis(path: &Path) -> Option<UpChoice> {
+    let format = InputFormat::from_path(path)?;
+    Some(if format.is_z_up() {
+        UpChoice::Z
+    } else {
+        UpChoice::Y
+    })
 }

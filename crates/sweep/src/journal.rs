@@ -2,6 +2,7 @@
 //! of what is done; tables are made of it.
 
 use crate::error::SweepError;
+use crate::figures::Figures;
 use crate::plan::Sweep;
 use greenstick::files::FileError;
 use serde::{Deserialize, Serialize};
@@ -11,37 +12,6 @@ use std::path::{Path, PathBuf};
 
 /// Name of the journal in the folder of a sweep.
 pub const JOURNAL_FILE: &str = "journal.jsonl";
-
-/// The figures of a report that a table has.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Figures {
-    /// Pieces.
-    pub pieces: usize,
-    /// Whether all of them are closed.
-    pub closed: bool,
-    /// Triangles of all of them.
-    pub triangles: usize,
-    /// Volume of the input, m³; none unless it is closed and oriented.
-    pub input_volume_m3: Option<f64>,
-    /// Volume of the first piece, at the base, m³.
-    pub lower_volume_m3: Option<f64>,
-    /// Volume of all pieces, m³.
-    pub volume_m3: Option<f64>,
-    /// Fibre bundles of the face.
-    pub bundles: usize,
-    /// Thorns of the face.
-    pub thorns: usize,
-    /// Lowest and highest point of the face, m from the location of the break along the grain.
-    pub range_m: [f64; 2],
-    /// How far the face was moved along the stem, m.
-    pub moved_m: f64,
-    /// Height of the face by the species, m.
-    pub height_m: Option<f64>,
-    /// Length along the stem to the break, m.
-    pub length_m: f64,
-    /// Notes of the report.
-    pub notes: usize,
-}
 
 /// What came of a variant.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

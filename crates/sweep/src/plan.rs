@@ -2,12 +2,13 @@
 
 use crate::axis::Axis;
 use crate::error::SweepError;
-use crate::{keys, sobol};
-use greenstick::RequestFile;
-use greenstick::fracture::recipe::{Problem, RecipeError, apply_preset};
+use crate::sobol;
+use crate::variant::Variant;
+use greenstick::formats::LengthUnit;
+use greenstick::fracture::recipe::RecipeError;
 use greenstick::schema::{
-    ParameterError, Parameters, Value, choice, choices, content_hash, count, flag, line_and_column,
-    parameters, read_table, syntax_error, write_toml,
+    FILE_NAME, ParameterError, Parameters, Value, choice, choices, content_hash, count, flag,
+    parameters, read_table, syntax_error, text, write_toml,
 };
 use greenstick::wood::noise;
 use std::path::{Path, PathBuf};
@@ -18,12 +19,19 @@ pub const MAX_VARIANTS: u64 = 1 << 30;
 /// The tables of a sweep that no recipe has.
 const SWEEP: &str = "sweep";
 const VARY: &str = "vary";
-/// Key of the presets in a recipe.
-const PRESET: &str = "preset";
 /// What random samples are drawn for, in the hash that draws them.
 const DRAW: i64 = 0x5357;
 
 choices! {
+    /// What is made again and again.
+    pub enum SweepKind {
+        /// Breaks: the keys beside this table are those of a recipe.
+        Break = "break",
+        /// Simulations: they are those of a scene.
+        Scene = "scene",
+        /// Bending tests: they are those of `bend-test`, and `species`.
+        BendTest = "bend-test",
+    }
     /// How values between two bounds are drawn.
     pub enum Sampling {
         /// Each independently of all others.
@@ -51,30 +59,69 @@ choices! {
 }
 
 parameters! {
-    /// How a sweep draws and what it writes: the table `[sweep]`.
+    /// What a sweep makes, how it draws and what it writes: the table `[sweep]`.
     pub struct SweepSettings {
         "Sweep", "sweep" {
+            /// What is made of each variant.
+            kind: SweepKind = SweepKind::Break, choice(SweepKind::CHOICES);
+            /// The scene whose keys vary: one that comes with the program, or a file (.toml).
+            scene: Option<String> = None, text(FILE_NAME).auto();
+            /// The mesh that is simulated in place of the scene's stem.
+            input: Option<String> = None, text(FILE_NAME).auto();
+            /// Unit of length in that mesh, where its format has none.
+            unit: Option<LengthUnit> = None, choice(LengthUnit::CHOICES).auto();
             /// How values between two bounds are drawn.
             sampling: Sampling = Sampling::Sobol, choice(Sampling::CHOICES);
             /// Samples of the drawn values, for each combination of the others.
             samples: u32 = 1, count(1, u32::MAX as i128).logarithmic();
             /// Seed of the drawn values.
             seed: u64 = 1, count(0, i64::MAX as i128);
-            /// Format of the pieces.
-            file: PieceFormat = PieceFormat::Glb, choice(PieceFormat::CHOICES);
+            /// Format of the pieces of a break, or of what the last frame of a simulation shows; "auto" is glb for breaks, and
+            /// none for simulations. Bending tests have no pieces.
+            file: Option<PieceFormat> = None, choice(PieceFormat::CHOICES).auto();
             /// Whether the wood inside gets textures.
             textures: bool = true, flag();
             /// Variants that are shown on the contact sheet, evenly spread over all; 0 for none.
             sheet: u32 = 24, count(0, 400);
         }
     }
+    check |p| {
+        let scene_only = [
+            ("scene", p.scene.is_some()),
+            ("input", p.input.is_some()),
+            ("unit", p.unit.is_some()),
+        ];
+        if let (Some((key, _)), true) = (scene_only.iter().find(|g| g.1), p.kind != SweepKind::Scene) {
+            return Err(ParameterError::Conflict(format!(
+                "{key} belongs to simulations, but kind is \"{}\"; expected kind = \"scene\" with it", p.kind.word()
+            )));
+        }
+        match (p.kind, p.file) {
+            (SweepKind::BendTest, Some(file)) if file != PieceFormat::None => {
+                Err(ParameterError::Conflict(format!(
+                    "file is \"{}\", but bending tests have no pieces; expected \"none\"", file.word()
+                )))
+            }
+            _ => Ok(()),
+        }
+    };
 }
 
-/// Many breaks with parameters that vary.
+impl SweepSettings {
+    /// The format of the files of variants.
+    pub fn piece_format(&self) -> PieceFormat {
+        self.file.unwrap_or(match self.kind {
+            SweepKind::Break => PieceFormat::Glb,
+            SweepKind::Scene | SweepKind::BendTest => PieceFormat::None,
+        })
+    }
+}
+
+/// Many breaks, simulations or bending tests with parameters that vary.
 #[derive(Debug, Clone)]
 pub struct Sweep {
     /// What all variants have in common.
-    pub base: RequestFile,
+    pub base: Variant,
     /// How values are drawn and what is written.
     pub settings: SweepSettings,
     /// What varies, in the order of keys: the values of the last one change fastest.
@@ -85,7 +132,7 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// Reads a sweep: a recipe, with the tables `[sweep]` and `[vary]` beside it.
+    /// Reads a sweep: a recipe, or the keys of a scene or of a bending test, with the tables `[sweep]` and `[vary]` beside it.
     ///
     /// ```
     /// use greenstick_sweep::Sweep;
@@ -102,8 +149,8 @@ impl Sweep {
     /// ";
     /// let sweep = Sweep::read(text, "".as_ref())?;
     /// assert_eq!(sweep.count(), 2 * 3 * 10);
-    /// let request = sweep.request(59)?.unwrap();
-    /// assert_eq!(request.common.recipe.face.seed, 3);
+    /// let recipe = sweep.variant(59)?.unwrap().to_toml();
+    /// assert!(recipe.contains("seed = 3"));
     /// # Ok::<(), greenstick_sweep::SweepError>(())
     /// ```
     ///
@@ -113,16 +160,13 @@ impl Sweep {
         let document =
             DeTable::parse(text).map_err(|e| RecipeError::from(syntax_error(text, &e)))?;
         let table = document.get_ref();
-        let mut base = RequestFile::default();
-        presets(&mut base, table, text)?;
-        read_table(&mut base, table, text, &[PRESET, SWEEP, VARY]).map_err(RecipeError::from)?;
-        base.complete().map_err(RecipeError::from)?;
         let mut settings = SweepSettings::default();
         if let Some(DeValue::Table(table)) = table.get(SWEEP).map(|v| v.get_ref()) {
             read_table(&mut settings, table, text, &[]).map_err(RecipeError::from)?;
         }
         settings.check().map_err(RecipeError::from)?;
-        let axes = axes(&base, text)?;
+        let base = Variant::read(&settings, (table, text), [SWEEP, VARY], folder)?;
+        let axes = axes(base.parameters(), text)?;
         let drawn = axes.iter().filter(|axis| axis.is_drawn()).count();
         if drawn > sobol::MAX_DIMENSIONS && settings.sampling == Sampling::Sobol {
             return Err(SweepError::Vary {
@@ -193,24 +237,25 @@ impl Sweep {
         }
     }
 
-    /// Returns the request of a variant, or what is wrong with its values.
+    /// Returns what decides a variant, or what is wrong with its values.
     ///
     /// # Errors
     /// [`SweepError::NoVariant`].
-    pub fn request(&self, number: u64) -> Result<Result<RequestFile, ParameterError>, SweepError> {
+    pub fn variant(&self, number: u64) -> Result<Result<Variant, String>, SweepError> {
         if number >= self.count {
             return Err(SweepError::NoVariant {
                 found: number,
                 last: self.count - 1,
             });
         }
-        let mut file = self.base.clone();
+        let mut variant = self.base.clone();
         let set = self.axes.iter().zip(self.values(number));
-        let set = set.map(|(axis, value)| keys::set(&mut file, &axis.info.key, &value));
+        let set = set.map(|(axis, value)| variant.set(&axis.info.key, &value));
         let whole = set
             .collect::<Result<(), _>>()
-            .and_then(|()| file.complete());
-        Ok(whole.map(|()| file))
+            .map_err(|e| e.to_string())
+            .and_then(|()| variant.complete());
+        Ok(whole.map(|()| variant))
     }
 
     /// Whether the contact sheet shows a variant.
@@ -222,49 +267,26 @@ impl Sweep {
 
     /// Returns a hash of everything that decides the variants; not for security.
     pub fn hash(&self) -> String {
-        let mut text = write_toml(&self.base) + &write_toml(&self.settings);
+        let mut text = self.base.to_toml() + &write_toml(&self.settings);
         for axis in &self.axes {
             text += &format!("{} {:?}\n", axis.info.key, axis.values);
         }
         content_hash(&text)
     }
 
-    /// Returns the path of the input of a request, relative to the working directory.
-    pub fn input_path(&self, file: &RequestFile) -> Option<PathBuf> {
-        file.input.as_ref().map(|name| self.folder.join(name))
-    }
-}
-
-/// Puts the presets that a recipe names over a request.
-fn presets(base: &mut RequestFile, table: &DeTable, text: &str) -> Result<(), RecipeError> {
-    let Some(value) = table.get(PRESET) else {
-        return Ok(());
-    };
-    let names: Vec<_> = match value.get_ref() {
-        DeValue::Array(list) => list.iter().collect(),
-        _ => vec![value],
-    };
-    for name in names {
-        let (line, column) = line_and_column(text, name.span().start);
-        let at = |problem: Problem| RecipeError::At {
-            line,
-            column,
-            problem: Box::new(problem),
+    /// Returns the path of the input of a variant, relative to the working directory.
+    pub fn input_path(&self, variant: &Variant) -> Option<PathBuf> {
+        let name = match variant {
+            Variant::Break(file) => file.input.as_ref(),
+            Variant::Scene(_) => self.settings.input.as_ref(),
+            Variant::Bend(_) => None,
         };
-        let word = name.get_ref().as_str().ok_or_else(|| {
-            at(Problem::Parameter(ParameterError::Kind {
-                key: PRESET.to_owned(),
-                found: "no name in quotes".to_owned(),
-                expected: "a name in quotes, or a list of names".to_owned(),
-            }))
-        })?;
-        apply_preset(base, word).map_err(at)?;
+        name.map(|name| self.folder.join(name))
     }
-    Ok(())
 }
 
 /// Reads what varies.
-fn axes(base: &RequestFile, text: &str) -> Result<Vec<Axis>, SweepError> {
+fn axes(base: &dyn Parameters, text: &str) -> Result<Vec<Axis>, SweepError> {
     let Ok(document) = toml::from_str::<toml::Table>(text) else {
         // Its syntax has been checked.
         return Ok(Vec::new());
@@ -287,7 +309,7 @@ fn axes(base: &RequestFile, text: &str) -> Result<Vec<Axis>, SweepError> {
 
 /// Reads the keys of a table: `high.height = […]` is a table in a table.
 fn collect(
-    base: &RequestFile,
+    base: &dyn Parameters,
     prefix: &str,
     table: &toml::Table,
     axes: &mut Vec<Axis>,

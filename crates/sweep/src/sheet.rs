@@ -1,8 +1,9 @@
 //! The contact sheet of a sweep: small pictures of some variants, evenly spread over all, with their numbers.
 
 use crate::error::SweepError;
+use crate::making::CELL;
 use crate::plan::Sweep;
-use crate::worker::{CELL, cell_file};
+use crate::worker::cell_file;
 use greenstick::files::{self, Output};
 use greenstick::picture::{Picture, SheetCell, contact_sheet};
 use std::path::{Path, PathBuf};
@@ -39,7 +40,7 @@ pub fn write_sheet(sweep: &Sweep, folder: &Path) -> Result<Option<PathBuf>, Swee
     let path = folder.join(SHEET_FILE);
     files::write_all(&[Output {
         path: path.clone(),
-        bytes: sheet.png_with(&sweep.base.provenance(None, None).metadata()),
+        bytes: sheet.png_with(&sweep.base.provenance(None).metadata()),
     }])?;
     Ok(Some(path))
 }

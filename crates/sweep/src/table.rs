@@ -3,8 +3,9 @@
 
 use crate::axis::Axis;
 use crate::error::SweepError;
-use crate::journal::{Figures, Journal, Record};
-use crate::plan::Sweep;
+use crate::figures::{self, BEND_COLUMNS, BREAK_COLUMNS, Figures, RUN_COLUMNS, RunFigures};
+use crate::journal::{Journal, Record};
+use crate::plan::{Sweep, SweepKind};
 use greenstick::files::{self, FileError};
 use greenstick::formats::ParquetStream;
 use greenstick::geometry::{Column, Context, Table, Values};
@@ -15,73 +16,6 @@ use std::path::Path;
 pub const TABLE_FILE: &str = "variants.parquet";
 /// Rows that are in memory at a time.
 const ROWS: usize = 20_000;
-
-/// A figure of a report as a column: name, unit, meaning, value.
-type FigureColumn = (
-    &'static str,
-    &'static str,
-    &'static str,
-    fn(&Figures) -> f64,
-);
-
-const FIGURES: [FigureColumn; 14] = [
-    ("pieces", "", "pieces", |f| f.pieces as f64),
-    ("closed", "", "1 where all pieces are closed", |f| {
-        f64::from(u8::from(f.closed))
-    }),
-    ("triangles", "", "triangles of all pieces", |f| {
-        f.triangles as f64
-    }),
-    ("input_volume", "m3", "volume of the input", |f| {
-        or_missing(f.input_volume_m3)
-    }),
-    (
-        "lower_volume",
-        "m3",
-        "volume of the piece at the base",
-        |f| or_missing(f.lower_volume_m3),
-    ),
-    ("volume", "m3", "volume of all pieces", |f| {
-        or_missing(f.volume_m3)
-    }),
-    ("bundles", "", "fibre bundles of the face", |f| {
-        f.bundles as f64
-    }),
-    ("thorns", "", "thorns of the face", |f| f.thorns as f64),
-    (
-        "face_low",
-        "m",
-        "lowest point of the face along the grain, from the place of the break",
-        |f| f.range_m[0],
-    ),
-    (
-        "face_high",
-        "m",
-        "highest point of the face along the grain, from the place of the break",
-        |f| f.range_m[1],
-    ),
-    (
-        "moved",
-        "m",
-        "how far the face was moved along the stem",
-        |f| f.moved_m,
-    ),
-    (
-        "species_height",
-        "m",
-        "height of the face by the species",
-        |f| or_missing(f.height_m),
-    ),
-    ("length", "m", "length along the stem to the break", |f| {
-        f.length_m
-    }),
-    ("notes", "", "notes of the report", |f| f.notes as f64),
-];
-
-/// A number that may be missing, as tables have it.
-fn or_missing(value: Option<f64>) -> f64 {
-    value.unwrap_or(f64::NAN)
-}
 
 /// Writes the table of all variants that are done into the folder of a sweep, beside its place first.
 ///
@@ -124,22 +58,12 @@ fn rows(sweep: &Sweep, records: &[Record]) -> Table {
     for (k, axis) in sweep.axes.iter().enumerate() {
         columns.push(varied(axis, values.iter().map(|row| &row[k])));
     }
-    if sweep.axes.iter().all(|axis| axis.info.key != "break.seed") {
-        let seed = sweep.base.common.recipe.face.seed;
+    let (key, seed) = sweep.base.seed();
+    if sweep.axes.iter().all(|axis| axis.info.key != key) {
         let seeds = Values::Text(vec![seed.to_string(); records.len()]);
-        columns.push(Column::new("seed", "", "seed of the break", seeds));
+        columns.push(Column::new("seed", "", "seed of the variant", seeds));
     }
-    for (name, unit, meaning, get) in FIGURES {
-        let numbers = records
-            .iter()
-            .map(|r| r.figures.as_ref().map_or(f64::NAN, get));
-        columns.push(Column::new(
-            name,
-            unit,
-            meaning,
-            Values::F64(numbers.collect()),
-        ));
-    }
+    columns.extend(figures(sweep, records));
     let text = |get: fn(&Record) -> &Option<String>| {
         let texts = records.iter().map(|r| get(r).clone().unwrap_or_default());
         Values::Text(texts.collect())
@@ -163,16 +87,60 @@ fn rows(sweep: &Sweep, records: &[Record]) -> Table {
         "why it failed",
         text(|r| &r.error),
     ));
-    // The provenance of a recipe, which varies in what the columns say.
+    // What varies in it is in the columns.
     let input = sweep.input_path(&sweep.base);
     let name = input.as_deref().and_then(Path::file_name);
     let name = name.map(|name| name.to_string_lossy().into_owned());
-    let mut provenance = sweep.base.provenance(name.as_deref(), None);
-    provenance.command = "sweep".to_owned();
     Table {
         columns,
-        metadata: provenance.metadata(),
+        metadata: sweep.base.provenance(name.as_deref()).metadata(),
     }
+}
+
+/// The figures of reports, a column each.
+fn figures(sweep: &Sweep, records: &[Record]) -> Vec<Column> {
+    match sweep.settings.kind {
+        SweepKind::Break => numbers(records, BREAK_COLUMNS, |figures| match figures {
+            Figures::Break(figures) => Some(figures),
+            _ => None,
+        }),
+        SweepKind::Scene => {
+            fn run(figures: &Figures) -> Option<&RunFigures> {
+                match figures {
+                    Figures::Run(figures) => Some(figures),
+                    _ => None,
+                }
+            }
+            let modes = records.iter().map(|record| {
+                let figures = record.figures.as_ref().and_then(run);
+                figures.map_or_else(String::new, |f: &RunFigures| f.mode.clone())
+            });
+            let modes = Values::Text(modes.collect());
+            let mut columns = vec![Column::new("mode", "", "how the wood broke", modes)];
+            columns.extend(numbers(records, RUN_COLUMNS, run));
+            columns
+        }
+        SweepKind::BendTest => numbers(records, BEND_COLUMNS, |figures| match figures {
+            Figures::Bend(figures) => Some(figures),
+            _ => None,
+        }),
+    }
+}
+
+/// Figures of one kind.
+fn numbers<F>(
+    records: &[Record],
+    columns: &[figures::Column<F>],
+    kind: impl Fn(&Figures) -> Option<&F>,
+) -> Vec<Column> {
+    let column = |(name, unit, meaning, get): &figures::Column<F>| {
+        let numbers = records.iter().map(|record| {
+            let figures = record.figures.as_ref().and_then(&kind);
+            figures.map_or(f64::NAN, get)
+        });
+        Column::new(name, unit, meaning, Values::F64(numbers.collect()))
+    };
+    columns.iter().map(column).collect()
 }
 
 /// The column of a key that varies: numbers as numbers, and all else as texts.

@@ -1,15 +1,19 @@
-//! Making variants, one after the other.
+//! Making variants, one after the other: breaks here, the others in `trials`.
 
 use crate::error::SweepError;
-use crate::input::{Input, InputError};
-use crate::journal::{Figures, Record};
+use crate::figures::{BreakFigures, Figures};
+use crate::input::Input;
+use crate::journal::Record;
+use crate::making::{CELL, CELL_SAMPLES, Trouble};
 use crate::plan::{PieceFormat, Sweep};
+use crate::trials::{Simulator, bend_figures};
+use crate::variant::Variant;
 use greenstick::files::{self, FileError, Output};
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Cancelled, Context};
 use greenstick::scanning::ScanParameters;
 use greenstick::wood::stem::StemLocation;
-use greenstick::{BreakReport, BreakSession, Broken, RequestFile, picture_of_break};
+use greenstick::{BreakSession, Broken, RequestFile, picture_of_break};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -19,14 +23,9 @@ const VARIANTS: &str = "variants";
 const SHEET: &str = "sheet";
 /// Variants whose files are in one folder: file systems and people are slow with many more.
 const IN_FOLDER: u64 = 1000;
-/// Width and height of a small picture, pixels.
-pub const CELL: [u32; 2] = [240, 180];
-/// Camera rays for each of its pixels.
-const CELL_SAMPLES: u32 = 4;
-
 /// The name of the pieces of a variant, relative to the folder of the sweep; `None` where none are written.
 pub fn piece_file(sweep: &Sweep, number: u64) -> Option<String> {
-    let ending = match sweep.settings.file {
+    let ending = match sweep.settings.piece_format() {
         PieceFormat::None => return None,
         format => format.word(),
     };
@@ -80,48 +79,7 @@ pub struct Worker<'a> {
     sweep: &'a Sweep,
     folder: &'a Path,
     loaded: Option<Loaded>,
-}
-
-/// Why a variant was not made.
-enum Trouble {
-    /// It cannot be: its row says why.
-    Variant(String),
-    /// The sweep must stop.
-    Stop(SweepError),
-}
-
-impl From<Cancelled> for Trouble {
-    fn from(cancelled: Cancelled) -> Self {
-        Trouble::Stop(cancelled.into())
-    }
-}
-
-impl From<greenstick::Error> for Trouble {
-    fn from(error: greenstick::Error) -> Self {
-        match error {
-            greenstick::Error::Cancelled(cancelled) => cancelled.into(),
-            other => Trouble::Variant(other.to_string()),
-        }
-    }
-}
-
-impl From<FileError> for Trouble {
-    fn from(error: FileError) -> Self {
-        match error {
-            // No other variant could be written either.
-            FileError::Unwritable { .. } => Trouble::Stop(error.into()),
-            other => Trouble::Variant(other.to_string()),
-        }
-    }
-}
-
-impl From<InputError> for Trouble {
-    fn from(error: InputError) -> Self {
-        match error {
-            InputError::Cancelled(cancelled) => cancelled.into(),
-            other => Trouble::Variant(other.to_string()),
-        }
-    }
+    simulator: Simulator,
 }
 
 impl<'a> Worker<'a> {
@@ -131,6 +89,7 @@ impl<'a> Worker<'a> {
             sweep,
             folder,
             loaded: None,
+            simulator: Simulator::default(),
         }
     }
 
@@ -140,9 +99,23 @@ impl<'a> Worker<'a> {
     /// # Errors
     /// [`SweepError`] where the sweep cannot go on: a file cannot be written, or the caller cancelled.
     pub fn make(&mut self, number: u64, context: &Context) -> Result<Record, SweepError> {
-        let made = match self.sweep.request(number)? {
-            Ok(file) => self.written(number, &file, context),
-            Err(error) => Err(Trouble::Variant(error.to_string())),
+        let made = match self.sweep.variant(number)? {
+            Ok(Variant::Break(file)) => self.broken_wood(number, &file, context),
+            Ok(Variant::Scene(scene)) => {
+                let (shown, file) = (self.sweep.is_shown(number), piece_file(self.sweep, number));
+                let target = file.map(|file| self.folder.join(file));
+                let made =
+                    self.simulator
+                        .run(self.sweep, *scene, (target.as_deref(), shown), context);
+                made.and_then(|made| {
+                    let mut outputs = made.pieces;
+                    outputs.extend(made.cell.map(|bytes| self.cell_output(number, bytes)));
+                    self.write(&outputs, context)?;
+                    Ok(Figures::Run(made.figures))
+                })
+            }
+            Ok(Variant::Bend(file)) => bend_figures(&file, context).map(Figures::Bend),
+            Err(error) => Err(Trouble::Variant(error)),
         };
         let (figures, error) = match made {
             Ok(figures) => (Some(figures), None),
@@ -159,7 +132,22 @@ impl<'a> Worker<'a> {
         })
     }
 
-    fn written(
+    /// The small picture of a variant as a file.
+    fn cell_output(&self, number: u64, bytes: Vec<u8>) -> Output {
+        let path = self.folder.join(cell_file(number));
+        Output { path, bytes }
+    }
+
+    /// Writes files, and the folders that they are in.
+    fn write(&self, outputs: &[Output], context: &Context) -> Result<(), Trouble> {
+        context.check()?;
+        for output in outputs {
+            make_folder_of(&output.path)?;
+        }
+        Ok(files::write_all(outputs)?)
+    }
+
+    fn broken_wood(
         &mut self,
         number: u64,
         file: &RequestFile,
@@ -177,13 +165,10 @@ impl<'a> Worker<'a> {
         if self.sweep.is_shown(number)
             && let Some(bytes) = cell(&broken, file, context)?
         {
-            let path = self.folder.join(cell_file(number));
-            make_folder_of(&path)?;
-            outputs.push(Output { path, bytes });
+            outputs.push(self.cell_output(number, bytes));
         }
-        context.check()?;
-        files::write_all(&outputs)?;
-        Ok(figures(&broken.report))
+        self.write(&outputs, context)?;
+        Ok(Figures::Break(BreakFigures::from(&broken.report)))
     }
 
     /// Breaks the input of a request, which is loaded where it is not that of the last one.
@@ -193,7 +178,7 @@ impl<'a> Worker<'a> {
         target: Option<&Path>,
         context: &Context,
     ) -> Result<Broken, Trouble> {
-        let path = self.sweep.input_path(file);
+        let path = file.input.as_ref().map(|name| self.sweep.folder.join(name));
         let first = file.breaks.first().unwrap_or(&file.common).place;
         let mut loading = Loading {
             path: path.clone(),
@@ -265,24 +250,4 @@ fn cell(
     let picture = picture_of_break(broken, &options, context);
     context.check()?;
     Ok(picture.ok().map(|picture| picture.png()))
-}
-
-/// The figures of a report.
-fn figures(report: &BreakReport) -> Figures {
-    let volumes = report.pieces.iter().map(|p| p.volume_m3);
-    Figures {
-        pieces: report.pieces.len(),
-        closed: report.pieces.iter().all(|p| p.closed),
-        triangles: report.pieces.iter().map(|p| p.triangles).sum(),
-        input_volume_m3: report.input.volume_m3,
-        lower_volume_m3: report.pieces.first().and_then(|p| p.volume_m3),
-        volume_m3: volumes.sum(),
-        bundles: report.face.bundles,
-        thorns: report.face.thorns,
-        range_m: report.face.range_m,
-        moved_m: report.face.moved_m,
-        height_m: report.species.as_ref().map(|s| s.height_m),
-        length_m: report.place.length_m,
-        notes: report.notes.len(),
-    }
 }

@@ -1,7 +1,7 @@
 //! Sweeps: every combination once, samples between their bounds and evenly spread, values that follow from the number alone.
 
 use greenstick::schema::Value;
-use greenstick_sweep::Sweep;
+use greenstick_sweep::{Sweep, Variant};
 use std::collections::BTreeSet;
 
 fn sweep(text: &str) -> Sweep {
@@ -35,7 +35,9 @@ fn every_combination_is_there_once() {
     assert_eq!(keys, ["moisture", "break.seed", "species"]);
     assert_eq!(column(0), ["8", "16", "24", "32"].map(str::to_owned).into());
     assert_eq!(column(1), ["3", "7", "11"].map(str::to_owned).into());
-    let request = sweep.request(sweep.count() - 1).unwrap().unwrap();
+    let Variant::Break(request) = sweep.variant(sweep.count() - 1).unwrap().unwrap() else {
+        panic!("another kind");
+    };
     assert_eq!(request.common.recipe.moisture, Some(32.0));
     assert_eq!(request.common.recipe.face.seed, 11);
 }

@@ -1,6 +1,7 @@
 //! The faces of simulated breaks.
 
 use clap::ValueEnum;
+use greenstick_sweep::shown::Faces;
 
 /// What the faces of a simulated break are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -9,4 +10,13 @@ pub enum FacesChoice {
     Drawn,
     #[value(help = "prisms about the rods, as in Sutherland's thesis")]
     Rods,
+}
+
+impl From<FacesChoice> for Faces {
+    fn from(choice: FacesChoice) -> Self {
+        match choice {
+            FacesChoice::Drawn => Faces::Drawn,
+            FacesChoice::Rods => Faces::Rods,
+        }
+    }
 }

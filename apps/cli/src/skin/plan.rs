@@ -1,13 +1,13 @@
 //! What is made of a run, in the terms of the libraries: from the options of `greenstick skin`, or for the film of a
 //! simulation.
 
-use super::film::ShownAs;
-use crate::arguments::{FacesChoice, SkinOptions};
+use crate::arguments::SkinOptions;
 use crate::failure::Failure;
 use greenstick::formats::film::GlbOptions;
 use greenstick::geometry::ConvexOptions;
 use greenstick::picture::PictureOptions;
 use greenstick::skin::{WoodField, film::FilmParameters};
+use greenstick_sweep::shown::{Faces, ShownAs};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -41,29 +41,16 @@ pub struct EnginePlan {
     pub vertex_texture: Option<(PathBuf, usize)>,
 }
 
-/// Options that only the skin of rods has.
-const RODS_ONLY: [&str; 6] = [
-    "fibres",
-    "splinters",
-    "slabs",
-    "keep_inner",
-    "outline",
-    "only_rods",
-];
-
 /// Returns which faces are meant: an option that only the skin of rods has asks for that.
-fn faces(options: &SkinOptions) -> Result<Option<FacesChoice>, Failure> {
-    let rods_only = (RODS_ONLY.iter()).find(|key| options.parameters.text(key).is_some());
-    match (options.faces, rods_only) {
-        (Some(FacesChoice::Drawn), Some(key)) => Err(Failure::request(format!(
+fn faces(options: &SkinOptions) -> Result<Option<Faces>, Failure> {
+    let is_given = |key: &str| options.parameters.text(key).is_some();
+    Faces::meant(options.faces.map(Faces::from), is_given).map_err(|key| {
+        Failure::request(format!(
             "--{} applies to the skin of the rods, and --faces asks for drawn faces",
             key.replace('_', "-")
         ))
-        .hint("leave it out, or take --faces rods")),
-        (Some(faces), _) => Ok(Some(faces)),
-        (None, Some(_)) => Ok(Some(FacesChoice::Rods)),
-        (None, None) => Ok(None),
-    }
+        .hint("leave it out, or take --faces rods")
+    })
 }
 
 impl FilmPlan {

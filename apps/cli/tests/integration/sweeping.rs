@@ -239,3 +239,184 @@ fn a_folder_with_another_sweep_is_refused_and_kept() {
     assert_refused(&folder, SMALL, &["-o", "d"], size);
     assert!(folder.read("d/journal.jsonl") == journal);
 }
+
+/// A sweep of short simulations.
+const RUNS: &str = "
+duration = 0.004
+[sweep]
+kind = 'scene'
+scene = 'snap.toml'
+sheet = 2
+[vary]
+seed = [1, 2]
+wood.species = ['white oak', 'Norway spruce']
+wood.moisture = [12, 400]
+";
+
+/// The scene of these.
+const SNAP: &str = include_str!("../../../../.ci/snap.toml");
+
+#[test]
+fn a_simulation_is_the_run_of_its_scene() {
+    let folder = Folder::new();
+    folder.write("snap.toml", SNAP);
+    folder.write("s.toml", &RUNS.replace(", 400", ""));
+    let run = folder.run(&["sweep", "s.toml", "-o", "d", "--threads", "2"]);
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    let records = records(&folder, "d");
+    assert_eq!(records.len(), 4);
+    for number in [0, 3] {
+        let shown = folder.run(&["sweep", "s.toml", "--show", &number.to_string()]);
+        folder.write("v.toml", &shown.out);
+        let by_hand = folder.run(&["simulate", "v.toml", "-o", "run", "--no-pictures", "--json"]);
+        assert_eq!(by_hand.code, 0, "{}", by_hand.err);
+        fs::remove_dir_all(folder.0.join("run")).unwrap();
+        let report: Value = serde_json::from_str(&by_hand.out).unwrap();
+        let figures = &records[&number][0]["figures"];
+        let same = |figure: &str, reported: &Value| {
+            assert_eq!(&figures[figure], reported, "{figure} of {number}");
+        };
+        same("greatest_load_n", &report["outcome"]["greatest_load_n"]);
+        same("mode", &report["outcome"]["mode"]);
+        same("fracture_loss_j", &report["fracture_loss_j"]);
+        same("most_energy_j", &report["energy"]["most_j"]);
+        same("rods_broken", &report["broke"][0]);
+    }
+    let loads: Vec<f64> = (0..4)
+        .map(|n| {
+            records[&n][0]["figures"]["greatest_load_n"]
+                .as_f64()
+                .unwrap()
+        })
+        .collect();
+    assert!(loads.iter().all(|load| *load > 0.0), "{loads:?}");
+    assert!(loads[0] != loads[1] && loads[0] != loads[2], "{loads:?}");
+    assert!(folder.read("d/variants.parquet").starts_with(b"PAR1"));
+    assert!(folder.read("d/sheet.png").starts_with(b"\x89PNG"));
+    assert!(!folder.0.join("d/variants").exists());
+}
+
+#[test]
+fn simulations_resume_and_fail_as_breaks_do_and_leave_files_where_asked() {
+    let folder = Folder::new();
+    folder.write("snap.toml", SNAP);
+    let text = RUNS
+        .replace("sheet = 2", "file = 'glb'\ntextures = false\nsheet = 0")
+        .replace("seed = [1, 2]\n", "")
+        .replace("wood.moisture = [12, 400]", "rods.number = [7, 12]");
+    folder.write("s.toml", &text);
+    let whole = folder.run(&["sweep", "s.toml", "-o", "whole", "--quiet"]);
+    assert_eq!((whole.code, whole.err.as_str()), (0, ""));
+    // All but the first two lines of the journal are lost, and half a line is left.
+    fs::create_dir(folder.0.join("cut")).unwrap();
+    let journal = fs::read_to_string(folder.0.join("whole/journal.jsonl")).unwrap();
+    let kept: Vec<&str> = journal.lines().take(2).collect();
+    folder.write("cut/journal.jsonl", &(kept.join("\n") + "\n{\"vari"));
+    let rest = folder.run(&["sweep", "s.toml", "-o", "cut", "--json"]);
+    assert_eq!(rest.code, 0, "{}", rest.err);
+    let report: Value = serde_json::from_str(&rest.out).unwrap();
+    assert_eq!((&report["found"], &report["made"]), (&1.into(), &3.into()));
+    let (cut, whole_pieces) = (pieces(&folder, "cut"), pieces(&folder, "whole"));
+    assert_eq!((cut.len(), whole_pieces.len()), (3, 4));
+    assert!(cut.iter().all(|(name, bytes)| whole_pieces[name] == *bytes));
+    let figures = |name: &str, number| records(&folder, name)[&number][0]["figures"].clone();
+    for number in 0..4 {
+        assert_eq!(figures("cut", number), figures("whole", number));
+    }
+    // Rods without twist cannot fill a curved stem: a row with its error.
+    let failing = RUNS
+        .replace(
+            "wood.moisture = [12, 400]",
+            "stem.kind = ['cylinder', 'branch']",
+        )
+        .replace("wood.species = ['white oak', 'Norway spruce']\n", "")
+        .replace("seed = [1, 2]\n", "");
+    folder.write("f.toml", &failing);
+    let run = folder.run(&["sweep", "f.toml", "-o", "f"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let records = records(&folder, "f");
+    let error = records[&1][0]["error"].as_str().unwrap();
+    assert!(error.contains("twist must be on"), "{error}");
+    assert!(records[&0][0].get("error").is_none(), "{records:?}");
+}
+
+#[test]
+fn a_bending_test_is_that_of_its_keys() {
+    let folder = Folder::new();
+    folder.write(
+        "s.toml",
+        "rods = 16\n[sweep]\nkind = 'bend-test'\n[vary]\nspecies = ['white oak', 'Sitka spruce']\nspecimens = ['auto', 3]\n",
+    );
+    let run = folder.run(&["sweep", "s.toml", "-o", "d"]);
+    assert_eq!((run.code, run.err.as_str()), (0, ""));
+    let records = records(&folder, "d");
+    assert_eq!(records.len(), 4);
+    // The order is species, specimens.
+    let figures = |number: u64| &records[&number][0]["figures"];
+    let options = [
+        "bend-test",
+        "--species",
+        "Sitka spruce",
+        "--rods",
+        "16",
+        "--json",
+    ];
+    let alone = folder.run(&options);
+    let report: Value = serde_json::from_str(&alone.out).unwrap();
+    let rupture = &report["modulus_of_rupture_pa"];
+    assert_eq!(figures(2)["rupture_pa"]["test"], rupture["test"]);
+    assert_eq!(figures(2)["rupture_pa"]["table"], rupture["table"]);
+    assert_eq!(figures(2)["maximum_load_n"], report["maximum"]["load_n"]);
+    let many = folder.run(&[&options[..], &["--specimens", "3"]].concat());
+    let report: Value = serde_json::from_str(&many.out).unwrap();
+    let rupture = &report["summary"]["modulus_of_rupture_pa"];
+    assert_eq!(figures(3)["rupture_pa"]["test"], rupture["mean"]);
+    assert_eq!(
+        figures(3)["rupture_pa"]["deviation"],
+        rupture["standard_deviation"]
+    );
+    assert_eq!(
+        (&figures(3)["specimens"], &figures(2)["specimens"]),
+        (&3.into(), &1.into())
+    );
+    assert!(folder.read("d/variants.parquet").starts_with(b"PAR1"));
+    assert!(!folder.0.join("d/sheet.png").exists());
+}
+
+#[test]
+fn kinds_refuse_what_they_do_not_have() {
+    let folder = Folder::new();
+    for (text, message) in [
+        (
+            "[sweep]\nkind = 'scene'\nscene = 'bent'\n[vary]\nseed = [1]",
+            "did you mean \"bend\"",
+        ),
+        (
+            "[sweep]\nkind = 'scene'\nscene = 'bend'\n[vary]\nwood.moistur = [1]",
+            "[vary] wood.moistur: unknown parameter \"wood.moistur\"; did you mean \"wood.moisture\"",
+        ),
+        (
+            "slab_height = 2\n[sweep]\nkind = 'bend-test'\n[vary]\nseed = [1]",
+            "line 1, column 1: unknown parameter \"slab_height\"",
+        ),
+        (
+            "[sweep]\nscene = 'bend'\n[vary]\nseed = [1]",
+            "scene belongs to simulations",
+        ),
+        (
+            "[sweep]\nkind = 'bend-test'\nfile = 'glb'\n[vary]\nseed = [1]",
+            "bending tests have no pieces",
+        ),
+        (
+            "[sweep]\nkind = 'bend-test'\n[vary]\nspecies = ['wite oak']",
+            "did you mean \"Oak, white\"",
+        ),
+        (
+            "[sweep]\nkind = 'bending'\n[vary]\nseed = [1]",
+            "kind is \"bending\", but it must be one of break, scene, bend-test",
+        ),
+    ] {
+        assert_refused(&folder, text, &["-o", "d"], message);
+    }
+    assert!(!folder.0.join("d").exists());
+}

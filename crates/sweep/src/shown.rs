@@ -1,14 +1,89 @@
-//! The film of a run: the mesh that was simulated, cut along the faces that the run decided, or the skin of its rods.
+//! A recorded run as it is shown: the mesh that was simulated, cut along the faces that the run decided, or the skin of its
+//! rods, whichever shows it better.
 
-use crate::arguments::FacesChoice;
-use crate::failure::Failure;
-use greenstick::film::{DrawnFilm, film_of_faces, picture_of_run};
-use greenstick::geometry::{Context, Scene, Stage};
+use greenstick::ErrorKind;
+use greenstick::film::{DrawnFilm, FilmError, film_of_faces, picture_of_run};
+use greenstick::geometry::{Cancelled, Context, Scene, Stage};
 use greenstick::picture::{Picture, PictureError, PictureOptions};
 use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFacesError};
 use greenstick::skin::WoodField;
-use greenstick::skin::film::{FilmOptions, NearbyRods, Run, SkinReport, SkinnedFilm, Still};
+use greenstick::skin::film::{self, FilmOptions, NearbyRods, Run, SkinReport, SkinnedFilm, Still};
 use std::ops::Range;
+
+/// Keys that only the skin of rods has.
+const RODS_ONLY: [&str; 6] = [
+    "fibres",
+    "splinters",
+    "slabs",
+    "keep_inner",
+    "outline",
+    "only_rods",
+];
+
+/// What the faces of broken wood are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Faces {
+    /// Cut into the mesh itself where rods broke, in fibres finer than rods.
+    Drawn,
+    /// Prisms about the rods.
+    Rods,
+}
+
+impl Faces {
+    /// Returns which faces are meant where some keys are given: one that only the skin of rods has asks for that.
+    ///
+    /// # Errors
+    /// The key that drawn faces do not have, where they are asked for.
+    ///
+    /// ```
+    /// use greenstick_sweep::shown::Faces;
+    ///
+    /// assert_eq!(Faces::meant(None, |key| key == "slabs"), Ok(Some(Faces::Rods)));
+    /// assert_eq!(Faces::meant(None, |_| false), Ok(None));
+    /// assert_eq!(Faces::meant(Some(Faces::Drawn), |key| key == "slabs"), Err("slabs"));
+    /// ```
+    pub fn meant(
+        asked: Option<Faces>,
+        is_given: impl Fn(&str) -> bool,
+    ) -> Result<Option<Faces>, &'static str> {
+        match (asked, RODS_ONLY.into_iter().find(|key| is_given(key))) {
+            (Some(Faces::Drawn), Some(key)) => Err(key),
+            (None, Some(_)) => Ok(Some(Faces::Rods)),
+            (asked, _) => Ok(asked),
+        }
+    }
+}
+
+/// Why a run cannot be shown.
+#[derive(Debug, thiserror::Error)]
+pub enum ShowError {
+    /// The run cannot be read, or no still or film can be made of it.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+    /// Faces cannot be cut.
+    #[error(transparent)]
+    Faces(#[from] SimulatedFacesError),
+    /// The caller stopped the work.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl ShowError {
+    /// Returns the kind of the error.
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            ShowError::Film(error) => error.kind(),
+            ShowError::Faces(error) => error.kind(),
+            ShowError::Cancelled(_) => ErrorKind::Cancelled,
+        }
+    }
+}
+
+impl From<film::FilmError> for ShowError {
+    fn from(error: film::FilmError) -> Self {
+        FilmError::from(error).into()
+    }
+}
 
 /// Wood of which more than this share of the surface would not be where its rods are is shown by its rods: it is split lengthwise.
 const SPLIT_SHARE: f64 = 0.05;
@@ -52,13 +127,13 @@ impl RodsReason {
 fn shown(
     run: &mut Run,
     range: Range<usize>,
-    faces: Option<FacesChoice>,
+    faces: Option<Faces>,
     options: &FilmOptions,
     context: &Context,
-) -> Result<Shown, Failure> {
+) -> Result<Shown, ShowError> {
     let automatic = match faces {
-        Some(FacesChoice::Rods) => return Ok(Shown::Rods(RodsReason::Meant)),
-        Some(FacesChoice::Drawn) => false,
+        Some(Faces::Rods) => return Ok(Shown::Rods(RodsReason::Meant)),
+        Some(Faces::Drawn) => false,
         None => true,
     };
     let last = run.frames().saturating_sub(1);
@@ -89,7 +164,7 @@ fn drawn(
     (automatic, last): (bool, bool),
     options: &FilmOptions,
     context: &Context,
-) -> Result<Result<Box<DrawnFilm>, RodsReason>, Failure> {
+) -> Result<Result<Box<DrawnFilm>, RodsReason>, ShowError> {
     let mut film = match film_of_faces(run, range, options, context) {
         Ok(film) => Box::new(film),
         Err(error) if error.wood_holds() => return Ok(Err(RodsReason::Meant)),
@@ -99,7 +174,7 @@ fn drawn(
         Err(error) => return Err(error.into()),
     };
     if automatic && last {
-        let share = film.misplaced_share(run).map_err(Failure::from)?;
+        let share = film.misplaced_share(run)?;
         if share > SPLIT_SHARE {
             return Ok(Err(RodsReason::Split(share)));
         }
@@ -123,8 +198,8 @@ impl ShownField {
     }
 
     /// Sets it in the pieces of a film's frame `number` of the run.
-    fn set(&self, run: &Run, number: usize, scene: &mut Scene) -> Result<(), Failure> {
-        let frame = run.frame(number).map_err(Failure::from)?;
+    fn set(&self, run: &Run, number: usize, scene: &mut Scene) -> Result<(), ShowError> {
+        let frame = run.frame(number)?;
         let values = run.field(self.field, &frame);
         self.near.set_field(self.field, &values, &mut scene.nodes);
         Ok(())
@@ -135,7 +210,7 @@ impl ShownField {
 #[derive(Debug, Clone)]
 pub struct ShownAs {
     /// Which faces broken wood has; `None` for those that show it best.
-    pub faces: Option<FacesChoice>,
+    pub faces: Option<Faces>,
     /// The field that pictures and stills have in place of the wood's colours.
     pub field: Option<WoodField>,
     /// How the skin is made.
@@ -144,24 +219,29 @@ pub struct ShownAs {
 
 /// A frame of a run.
 pub enum RunStill {
+    /// A frame of a film.
     Film(Box<(RunFilm, Scene)>),
+    /// The skin of its rods.
     Rods(Box<Still>),
 }
 
 impl RunStill {
     /// Shows a frame. Wood that holds has no faces; it is shown by its rods.
+    ///
+    /// # Errors
+    /// [`ShowError`].
     pub fn new(
         run: &mut Run,
         number: usize,
         how: &ShownAs,
         context: &Context,
-    ) -> Result<RunStill, Failure> {
+    ) -> Result<RunStill, ShowError> {
         let range = number..number + 1;
         let shown = shown(run, range.clone(), how.faces, &how.film, context)?;
         let shown = match shown {
             Shown::Rods(reason) if how.field.is_none() => {
                 let still = run.still(number, &how.film, context);
-                let mut still = still.map_err(Failure::from)?;
+                let mut still = still?;
                 reason.note(&mut still.report);
                 return Ok(RunStill::Rods(Box::new(still)));
             }
@@ -172,7 +252,7 @@ impl RunStill {
         Ok(RunStill::Film(Box::new((film, scene))))
     }
 
-    /// The frame as a scene.
+    /// The frame as a scene, which metadata may be added to.
     pub fn scene(&mut self) -> &mut Scene {
         match self {
             RunStill::Film(shown) => &mut shown.1,
@@ -181,6 +261,9 @@ impl RunStill {
     }
 
     /// Takes a picture of it.
+    ///
+    /// # Errors
+    /// As [`greenstick::picture::render`].
     pub fn picture(
         &self,
         run: &Run,
@@ -194,10 +277,10 @@ impl RunStill {
     }
 
     /// Returns the report, and what faces were made from.
-    pub fn into_report(self) -> (SkinReport, Vec<SimulatedFaceReport>) {
+    pub fn report(&self) -> (&SkinReport, &[SimulatedFaceReport]) {
         match self {
-            RunStill::Film(shown) => shown.0.into_report(),
-            RunStill::Rods(still) => (still.report, Vec::new()),
+            RunStill::Film(shown) => shown.0.report(),
+            RunStill::Rods(still) => (&still.report, &[]),
         }
     }
 }
@@ -215,12 +298,15 @@ enum Film {
 
 impl RunFilm {
     /// Makes a film of a range of frames. Wood that holds has no faces; it is shown by its rods.
+    ///
+    /// # Errors
+    /// [`ShowError`].
     pub fn new(
         run: &mut Run,
         range: Range<usize>,
         how: &ShownAs,
         context: &Context,
-    ) -> Result<RunFilm, Failure> {
+    ) -> Result<RunFilm, ShowError> {
         let shown = shown(run, range.clone(), how.faces, &how.film, context)?;
         RunFilm::of_shown(run, range, shown, how, context)
     }
@@ -231,11 +317,11 @@ impl RunFilm {
         shown: Shown,
         how: &ShownAs,
         context: &Context,
-    ) -> Result<RunFilm, Failure> {
+    ) -> Result<RunFilm, ShowError> {
         let film = match shown {
             Shown::Faces(film) => Film::Drawn(film),
             Shown::Rods(reason) => {
-                let mut film = run.film(range, &how.film, context).map_err(Failure::from)?;
+                let mut film = run.film(range, &how.film, context)?;
                 reason.note(&mut film.report);
                 Film::Rods(Box::new(film))
             }
@@ -256,10 +342,13 @@ impl RunFilm {
     }
 
     /// Returns frame `number` of the film, with the field that it shows.
-    pub fn at(&mut self, run: &Run, number: usize) -> Result<Scene, Failure> {
+    ///
+    /// # Errors
+    /// [`ShowError`].
+    pub fn at(&mut self, run: &Run, number: usize) -> Result<Scene, ShowError> {
         let skinned = self.skinned();
         let first = skinned.report.first_frame;
-        let mut scene = skinned.at(number).map_err(Failure::from)?;
+        let mut scene = skinned.at(number)?;
         if let Some(field) = &self.field {
             field.set(run, first + number, &mut scene)?;
         }
@@ -275,14 +364,17 @@ impl RunFilm {
     }
 
     /// Returns the report, and what faces were made from.
-    pub fn into_report(self) -> (SkinReport, Vec<SimulatedFaceReport>) {
-        match self.film {
-            Film::Drawn(film) => (film.skinned.report, film.reports),
-            Film::Rods(film) => (film.report, Vec::new()),
+    pub fn report(&self) -> (&SkinReport, &[SimulatedFaceReport]) {
+        match &self.film {
+            Film::Drawn(film) => (&film.skinned.report, &film.reports),
+            Film::Rods(film) => (&film.report, &[]),
         }
     }
 
     /// Takes a picture of a frame of it.
+    ///
+    /// # Errors
+    /// As [`greenstick::picture::render`].
     pub fn picture(
         &self,
         run: &Run,

@@ -1,0 +1,405 @@
+//! What a run looks like: the skin of a frame, and films.
+
+use crate::convert::report;
+use crate::failure::Failure;
+use crate::pictures::Picture;
+use crate::scene::{Scene, encode, file_dictionary, picture_parameters};
+use crate::values::each;
+use crate::work;
+use greenstick::files::{self, Batch, Output};
+use greenstick::film::{FilmError, open_run};
+use greenstick::formats::film::{GlbOptions, write_glb, write_usd};
+use greenstick::formats::usd::UsdFormat;
+use greenstick::geometry::{Context, Stage};
+use greenstick::provenance;
+use greenstick::schema::Parameters;
+use greenstick::simulate::{RunSource, SceneMeshes};
+use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFacesError};
+use greenstick::skin::WoodField;
+use greenstick::skin::film::{FilmParameters, Run as Opened, SkinReport};
+use greenstick_sweep::shown::{Faces, RunFilm, RunStill, ShowError, ShownAs};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Serialize;
+use std::io::{Cursor, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+impl From<FilmError> for Failure {
+    fn from(error: FilmError) -> Self {
+        match error {
+            FilmError::Simulate(error) => error.into(),
+            FilmError::Work(error) => error.into(),
+            FilmError::File(error) => error.into(),
+            error => Failure::new("FilmError", error.kind(), error),
+        }
+    }
+}
+
+impl From<ShowError> for Failure {
+    fn from(error: ShowError) -> Self {
+        match error {
+            ShowError::Film(error) | ShowError::Faces(SimulatedFacesError::Run(error)) => {
+                error.into()
+            }
+            ShowError::Faces(error) => Failure::new("FilmError", error.kind(), error),
+            ShowError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
+}
+
+/// What is asked of a skin.
+pub struct Asked {
+    faces: Option<Faces>,
+    field: Option<WoodField>,
+    parameters: FilmParameters,
+}
+
+impl Asked {
+    /// Reads the arguments of `Run.skin` and `Run.film`.
+    pub fn new(
+        faces: Option<&str>,
+        field: Option<&str>,
+        dictionaries: [Option<&Bound<'_, PyDict>>; 2],
+    ) -> PyResult<Self> {
+        let mut parameters = FilmParameters::default();
+        let mut given = Vec::new();
+        each(dictionaries, |key, value| {
+            given.push(key.to_owned());
+            Ok(parameters.set(key, value)?)
+        })?;
+        parameters.check().map_err(Failure::from)?;
+        let faces = match faces {
+            None => None,
+            Some("drawn") => Some(Faces::Drawn),
+            Some("rods") => Some(Faces::Rods),
+            Some(other) => {
+                let message = format!("faces is {other:?}; expected \"drawn\", \"rods\" or None");
+                return Err(Failure::value(message).into());
+            }
+        };
+        let faces = Faces::meant(faces, |key| given.iter().any(|g| g == key)).map_err(|key| {
+            Failure::value(format!(
+                "{key} applies to the skin of the rods, and faces asks for drawn ones; expected one of them"
+            ))
+        })?;
+        let field = match field {
+            None => None,
+            Some("strain") => Some(WoodField::Strain),
+            Some("damage") => Some(WoodField::Damage),
+            Some(other) => {
+                let message =
+                    format!("field is {other:?}; expected \"strain\", \"damage\" or None");
+                return Err(Failure::value(message).into());
+            }
+        };
+        Ok(Asked {
+            faces,
+            field,
+            parameters,
+        })
+    }
+
+    fn shown(&self, seed: u64) -> ShownAs {
+        ShownAs {
+            faces: self.faces,
+            field: self.field,
+            film: self.parameters.film_options(seed),
+        }
+    }
+}
+
+/// A run that was recorded, and the meshes that it is of.
+#[derive(Clone)]
+pub struct Recording {
+    pub source: Arc<dyn RunSource>,
+    pub meshes: SceneMeshes,
+}
+
+impl Recording {
+    fn open(&self, context: &Context) -> Result<Opened, Failure> {
+        Ok(open_run(self.source.clone(), &self.meshes, context)?)
+    }
+
+    /// Makes the skin of a frame, counted from 0 or from −1 backwards.
+    pub fn skin(&self, frame: i64, asked: &Asked, context: &Context) -> Result<Skin, Failure> {
+        let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
+        let mut run = self.open(&read)?;
+        let count = run.frames();
+        let number = usize::try_from(if frame < 0 {
+            count as i64 + frame
+        } else {
+            frame
+        });
+        let number = number.ok().filter(|n| *n < count).ok_or_else(|| {
+            Failure::value(format!(
+                "frame is {frame}, but there are {count} frames, counted from 0 or from -1 backwards"
+            ))
+        })?;
+        let how = asked.shown(run.scene.seed);
+        let mut still = RunStill::new(&mut run, number, &how, &work)?;
+        still.scene().metadata = provenance("skin", None, &run.scene).metadata();
+        Ok(Skin {
+            report: FilmReport::new(still.report()),
+            shown: Mutex::new((run, still)),
+        })
+    }
+
+    /// Makes a film of all frames, or of those that are asked for.
+    pub fn film(&self, asked: Asked, context: &Context) -> Result<Film, Failure> {
+        let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
+        let mut run = self.open(&read)?;
+        let frames = asked.parameters.frames.map(Into::into);
+        let frames = frames.unwrap_or(0..run.frames());
+        let how = asked.shown(run.scene.seed);
+        let mut film = RunFilm::new(&mut run, frames, &how, &work)?;
+        film.skinned().film.metadata = provenance("skin", None, &run.scene).metadata();
+        Ok(Film {
+            report: FilmReport::new(film.report()),
+            glb: GlbOptions {
+                max_joints: asked.parameters.max_joints.map(|n| n as usize),
+                max_influences: asked.parameters.influences as usize,
+            },
+            shown: Mutex::new((run, film)),
+        })
+    }
+}
+
+/// The report of a skin or film.
+#[derive(Serialize)]
+struct FilmReport {
+    #[serde(flatten)]
+    skin: SkinReport,
+    /// What each face was made from, from the base of the stem to its tip.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    simulated: Vec<SimulatedFaceReport>,
+}
+
+impl FilmReport {
+    fn new((skin, faces): (&SkinReport, &[SimulatedFaceReport])) -> Self {
+        FilmReport {
+            skin: skin.clone(),
+            simulated: faces.to_vec(),
+        }
+    }
+}
+
+/// The skin of one frame: its pieces as they are then, and bodies.
+#[pyclass(module = "greenstick", frozen)]
+pub struct Skin {
+    report: FilmReport,
+    /// The run, and what is shown of it.
+    shown: Mutex<(Opened, RunStill)>,
+}
+
+#[pymethods]
+impl Skin {
+    /// The pieces, then what the rods do not fill, then bodies: lengths in m, y up.
+    #[getter]
+    fn scene(&self) -> Scene {
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        Scene::new(shown.1.scene().clone(), None)
+    }
+
+    /// The report as the program prints it with `--json`: lengths in m, volumes in m³, times in s.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        report(py, &self.report)
+    }
+
+    /// Takes a picture of it. Keys are those of pictures: `picture_size="640x480"`, `samples=16`, `close_up=6`.
+    #[pyo3(signature = (*, progress=None, **keys))]
+    fn picture(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Bound<'_, PyAny>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Picture> {
+        let options = picture_parameters(keys)?.options();
+        work::run(py, progress, |context| {
+            let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+            let (run, still) = &mut *shown;
+            let metadata = still.scene().metadata.clone();
+            Ok(Picture::new(
+                still.picture(run, &options, context)?,
+                metadata,
+            ))
+        })
+    }
+
+    /// Encodes it in the format of the ending of `name`: names of files and their bytes, those that the program writes.
+    fn encode<'py>(&self, py: Python<'py>, name: PathBuf) -> PyResult<Bound<'py, PyDict>> {
+        let scene = self.scene();
+        let outputs = work::run(py, None, |_| encode(&scene.scene, None, &name, None))?;
+        file_dictionary(py, outputs)
+    }
+
+    /// Writes it in the format of the ending of `path`, with its companions: all files or none. Returns the paths.
+    fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<PathBuf>> {
+        let scene = self.scene();
+        work::run(py, None, |_| {
+            let outputs = encode(&scene.scene, None, &path, None)?;
+            files::write_all(&outputs)?;
+            Ok(outputs.into_iter().map(|o| o.path).collect())
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let [first, _] = self.report.skin.time_s;
+        format!("<greenstick.Skin at {first} s>")
+    }
+}
+
+/// A film: pieces that are the same in all frames, and how they move.
+#[pyclass(module = "greenstick", frozen)]
+pub struct Film {
+    report: FilmReport,
+    glb: GlbOptions,
+    /// The run, and what is shown of it.
+    shown: Mutex<(Opened, RunFilm)>,
+}
+
+impl Film {
+    /// A frame as a scene; `number` is counted from 0, or from −1 backwards.
+    fn at(&self, number: i64) -> Result<greenstick::geometry::Scene, Failure> {
+        let count = self.report.skin.frames as i64;
+        let from_first = if number < 0 { count + number } else { number };
+        if !(0..count).contains(&from_first) {
+            return Err(Failure::value(format!(
+                "there is no frame {number}; the film has {count}"
+            )));
+        }
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        let (run, film) = &mut *shown;
+        let mut scene = film.at(run, from_first as usize)?;
+        scene.metadata = film.skinned().film.metadata.clone();
+        Ok(scene)
+    }
+
+    /// Writes the film in the format of the ending of `path`; returns the files that go beside it.
+    fn write_into(
+        &self,
+        path: &Path,
+        out: &mut (impl Write + Seek),
+        context: &Context,
+    ) -> Result<Vec<Output>, Failure> {
+        let format = Ending::of(path)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        let skinned = shown.1.skinned();
+        let (film, motion) = (&skinned.film, &mut skinned.motion);
+        let beside = match format {
+            Ending::Glb => {
+                write_glb(film, motion, &name, &self.glb, out, context).map_err(FilmError::from)?;
+                Vec::new()
+            }
+            Ending::Usd(format) => {
+                write_usd(format, film, motion, &name, out, context)
+                    .map_err(FilmError::from)?
+                    .1
+            }
+        };
+        let beside = beside.into_iter().map(|file| Output {
+            path: path.with_file_name(file.name),
+            bytes: file.bytes,
+        });
+        Ok(beside.collect())
+    }
+}
+
+/// The formats of films.
+enum Ending {
+    Glb,
+    Usd(UsdFormat),
+}
+
+impl Ending {
+    fn of(path: &Path) -> Result<Self, Failure> {
+        let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match UsdFormat::from_path(path) {
+            Some(UsdFormat::Usda) | None if ending.as_deref() != Some("glb") => {
+                Err(Failure::value(format!(
+                    "{}: a film is written as .glb, .usdc or .usdz",
+                    path.display()
+                )))
+            }
+            Some(format) => Ok(Ending::Usd(format)),
+            None => Ok(Ending::Glb),
+        }
+    }
+}
+
+#[pymethods]
+impl Film {
+    /// The report as the program prints it with `--json`: lengths in m, volumes in m³, times in s.
+    #[getter]
+    fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        report(py, &self.report)
+    }
+
+    /// A frame as a scene, counted from the film's first or, from −1, backwards: lengths in m, y up.
+    fn scene(&self, py: Python<'_>, number: i64) -> PyResult<Scene> {
+        work::run(py, None, |_| Ok(Scene::new(self.at(number)?, None)))
+    }
+
+    /// Takes a picture of a frame. Keys are those of pictures: `picture_size="640x480"`, `samples=16`, `close_up=6`.
+    #[pyo3(signature = (number, *, progress=None, **keys))]
+    fn picture(
+        &self,
+        py: Python<'_>,
+        number: i64,
+        progress: Option<&Bound<'_, PyAny>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Picture> {
+        let options = picture_parameters(keys)?.options();
+        work::run(py, progress, |context| {
+            let frame = self.at(number)?;
+            let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+            let (run, film) = &*shown;
+            let picture = film.picture(run, &frame, &options, context)?;
+            Ok(Picture::new(picture, frame.metadata.clone()))
+        })
+    }
+
+    /// Encodes the film as .glb, .usdc or .usdz, the ending of `name`: names of files and their bytes, those that the program
+    /// writes. It is in memory as a whole.
+    fn encode<'py>(&self, py: Python<'py>, name: PathBuf) -> PyResult<Bound<'py, PyDict>> {
+        let outputs = work::run(py, None, |context| {
+            let mut out = Cursor::new(Vec::new());
+            let mut outputs = self.write_into(&name, &mut out, context)?;
+            let (path, bytes) = (name.clone(), out.into_inner());
+            outputs.insert(0, Output { path, bytes });
+            Ok(outputs)
+        })?;
+        file_dictionary(py, outputs)
+    }
+
+    /// Writes the film as .glb, .usdc or .usdz, with its companions: all files or none. Frames are written as they are made;
+    /// none is kept. Returns the paths.
+    #[pyo3(signature = (path, *, progress=None))]
+    fn write(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Vec<PathBuf>> {
+        work::run(py, progress, |context| {
+            Ending::of(&path)?;
+            let mut batch = Batch::default();
+            let beside = batch.stream(&path, |file| self.write_into(&path, file, context))?;
+            beside.iter().try_for_each(|output| batch.add(output))?;
+            batch.finish()?;
+            let mut paths = vec![path.clone()];
+            paths.extend(beside.into_iter().map(|o| o.path));
+            Ok(paths)
+        })
+    }
+
+    fn __len__(&self) -> usize {
+        self.report.skin.frames
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<greenstick.Film {} frames>", self.__len__())
+    }
+}
