@@ -163,7 +163,7 @@ class RequestAttributes:
     def kind(self, value: Literal["round", "board", "dowel", "pole"] | None) -> None: ...
     @property
     def eccentricity_onset(self) -> float | None:
-        """Share of the radius at which a stem that is eccentric began to be: rings within are about round, rings beyond lean as the outline does. 'auto' is that of an average tree; points on a few rings decide it. Unit: fraction."""
+        """Share of the radius at which a stem that is eccentric began to lean: rings within are round about the pith, rings beyond are wider on one side, all by the same share. 'auto' is the usual one of such an outline; points on a few rings decide it. Unit: fraction."""
     @eccentricity_onset.setter
     def eccentricity_onset(self, value: float | str | None) -> None: ...
     @property

@@ -153,7 +153,7 @@ pub struct RingsOptions {
     /// Print how far the file's own rings are from the model's
     #[arg(long)]
     pub compare: bool,
-    /// Fit the model to the file's own rings, of which a few points are enough: when the stem began to be eccentric
+    /// Fit the model to the file's own rings, of which a few points are enough: when the stem began to lean
     #[arg(long, conflicts_with_all = ["eccentricity_onset", "rings_by"])]
     pub fit: bool,
     /// Where to write a picture of the rings (.png)

@@ -58,7 +58,7 @@ pub fn run(options: &RingsOptions) -> Result<ExitCode, Failure> {
     if let (true, Some(onset)) = (options.fit, onset) {
         let _ = writeln!(
             report,
-            "fitted: the stem began to be eccentric at {onset:.2} of its radius (--eccentricity-onset)"
+            "fitted: the stem began to lean at {onset:.2} of its radius (--eccentricity-onset)"
         );
     }
     if options.compare {

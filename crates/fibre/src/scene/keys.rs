@@ -79,7 +79,7 @@ parameters! {
             inclination: Option<f64> = None, number(Unit::Degree, -90.0, 90.0).auto();
             /// Axis of an input that points up. "auto" is y for glTF and OBJ, z for other meshes and for point clouds.
             up: Option<UpChoice> = None, choice(UpChoice::CHOICES).auto();
-            /// Share of the radius at which an eccentric stem began to be so; "auto" is that of an average tree.
+            /// Share of the radius at which an eccentric stem began to lean; "auto" is the usual one of such an outline.
             eccentricity_onset: Option<f64> = None,
                 number(Unit::Fraction, *ONSET_RANGE.start(), *ONSET_RANGE.end()).auto();
         }

@@ -1,5 +1,6 @@
 //! Breaks, films and simulations from input to files.
 
+mod board_rings;
 mod cracks;
 mod declared_stages;
 mod drawn_films;

@@ -63,6 +63,31 @@ fn bonded_pieces(frame: &Frame) -> usize {
 }
 
 #[test]
+fn rods_of_a_board_show_the_rings_of_its_log() {
+    let grown = grown(primitive::board(0.3, 0.06, 0.04), 40);
+    let wood = wood(&grown);
+    let options = RodSkinOptions::default();
+    let made = skin(&wood, &FractureState::unbroken(&wood), &options);
+    let (mut least, mut most) = (1.0f64, 0.0f64);
+    for piece in &made.pieces {
+        let rings = piece.mesh.attributes.get("_RING").unwrap();
+        for (v, &p) in piece.mesh.positions.iter().enumerate() {
+            let across = grown.stem.grain.to_grain(p).truncate();
+            let rho = f64::from(rings.at(v)[0]);
+            let distance = across.distance(grown.stem.rings.pith());
+            let wanted = distance / grown.stem.rings.outer_radius(0.0);
+            assert!((rho - wanted).abs() < 1e-5, "{rho} for {wanted}");
+            (least, most) = (least.min(rho), most.max(rho));
+        }
+    }
+    // From the face towards the pith, 45 mm below the middle, to the far corners.
+    assert!(
+        (0.3..0.45).contains(&least) && most > 0.99,
+        "{least} {most}"
+    );
+}
+
+#[test]
 fn whole_wood_has_one_skin_around_all_of_it() {
     for fibres in [1, 5] {
         let grown = grown(primitive::cylinder(0.02, 0.3, 64), 40);

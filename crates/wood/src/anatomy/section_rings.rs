@@ -30,7 +30,7 @@ parameters! {
             widths: Option<Vec<f64>> = None, list(&RING_SIZE, 1, MAX_RINGS).auto();
             /// Where the pith is, x and y in the file's coordinates; "auto" is the file's, or else a guess from the outline.
             pith: Option<Vec<f64>> = None, list(&COORDINATE, 2, 2).auto();
-            /// Share of the radius at which the stem began to be eccentric; "auto" is that of an average tree.
+            /// Share of the radius at which the stem began to lean to one side; "auto" is the usual one of such an outline.
             eccentricity_onset: Option<f64> = None,
                 number(Unit::One, *ONSET_RANGE.start(), *ONSET_RANGE.end()).auto();
         }

@@ -218,7 +218,7 @@ impl<'a> StemSections<'a> {
                 .points()
                 .map(|p| p.distance(pith))
                 .fold(0.0, f64::max);
-            return RingField::arcs(pith, reach, reach);
+            return RingField::arcs(pith, self.stem.rings.outer_radius(0.0) * scale, reach);
         }
         let own = &outline.loops[0];
         let clearance = PITH_CLEARANCE_RADII * outline.mean_radius();

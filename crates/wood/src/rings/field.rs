@@ -4,9 +4,9 @@
 //! outline that is a circle beside the pith gives circles beside the pith, and g = 1 gives the outline scaled down.
 //! How much of a wave is left inside, its gain g_k, follows how a stem grows:
 //!
-//! - Wave 1 is eccentricity: the stem grows faster on one side, year after year, so that it persists towards the pith. It
-//!   begins at some age, which differs from tree to tree and cannot be seen in the outline: g_1 = ρ³ (1 + h³) / (ρ³ + h³),
-//!   with the onset h, which a few points on a ring decide ([`RingField::fit_eccentricity_onset`]).
+//! - Wave 1 is eccentricity: from some age on the stem grows faster on one side, year after year ([`super::eccentricity`]).
+//!   That age differs from tree to tree. How eccentric the outline is tells a little of it, a few points on a ring decide it
+//!   ([`RingField::fit_eccentricity_onset`]).
 //! - Waves from 2 on are bumps and dents. A front that grows along its normal rounds them off as curvature does, at
 //!   rates proportional to k² − 1: g_k = ρ^(q (k² − 1)). A furrow of the bark vanishes within a few rings. Deep flutes begin
 //!   later than shallow ones: q grows with their root mean square depth.
@@ -14,12 +14,13 @@
 //! Below a deep notch, waves would fade faster than rings are thick, and rings would cross. There, and only there, they are
 //! shifted inwards, the outermost most, and crowd together.
 //!
-//! On eleven annotated sections of four kinds of trees rings lie 3.16 % of their mean radius from the annotation (root mean
-//! square over all angles, mean over rings and sections; the better of the outline scaled down and a circle: 4.32 %).
-//! Leaving out each section in turn chooses the same constants of q. With an onset fitted to each section it is 2.8 %.
+//! On eleven annotated sections of four kinds of trees rings lie 3.08 % of their mean radius from the annotation (root mean
+//! square over all angles, mean over rings and sections; the better of the outline scaled down and a circle: 4.32 %), 3.11 %
+//! where the usual onset is chosen without the section. With an onset fitted to each section it is 2.8 %.
 //!
 //! In a board rings are arcs about the pith, and ρ is the distance from it over the largest one in the section.
 
+use super::eccentricity::{possible_onset, share, usual_onset};
 use crate::polygon;
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
@@ -28,9 +29,6 @@ use std::f64::consts::{PI, TAU};
 const ANGLES: usize = 512;
 /// Steps of ρ in the table.
 const LEVELS: usize = 64;
-/// The ρ at which about half of the eccentricity is reached, h above, where it is not known. On eleven sections the best
-/// ones lie from 0.1 to 0.8.
-pub(super) const ECCENTRICITY_ONSET: f64 = 0.28;
 /// The factor q above without flutes, and how much it grows with the root mean square of waves from 2 on of ln r: it is
 /// 0.2 at 2.5 %, and 0.75 in the shrub whose flutes are 12 % deep.
 const FADING_RATE: f64 = 0.05;
@@ -74,15 +72,14 @@ enum Shape {
 }
 
 impl RingField {
-    /// Rings of a round stem: `outline` (closed, m) about `pith`, which must lie inside it. `eccentricity_onset` is the h
-    /// above, where it is known.
+    /// Rings of a round stem: `outline` (closed, m) about `pith`, which must lie inside it. `eccentricity_onset` is the ring
+    /// coordinate at which it began to be eccentric, where that is known.
     pub(crate) fn round(
         outline: &[DVec2],
         pith: DVec2,
         extent: f64,
         eccentricity_onset: Option<f64>,
     ) -> Self {
-        let eccentricity_onset = eccentricity_onset.unwrap_or(ECCENTRICITY_ONSET);
         let outer = polygon::farthest_crossings(outline, pith, ANGLES);
         let mean = (polygon::area_and_centroid(outline).0.abs() / PI).sqrt();
         let raw: Vec<f64> = outer
@@ -100,7 +97,11 @@ impl RingField {
                 }
             })
             .collect();
-        let table = table(&outer, eccentricity_onset);
+        let waves = Waves::new(&outer);
+        let eccentricity = waves.eccentricity();
+        let eccentricity_onset = eccentricity_onset.unwrap_or_else(|| usual_onset(eccentricity));
+        let eccentricity_onset = possible_onset(eccentricity_onset, eccentricity);
+        let table = table(&waves, &outer, eccentricity_onset);
         let means = (0..=LEVELS)
             .map(|level| {
                 let column = table.iter().skip(level).step_by(LEVELS + 1);
@@ -127,7 +128,8 @@ impl RingField {
         }
     }
 
-    /// The onset of eccentricity, as a ring coordinate; `None` for arcs.
+    /// The onset of eccentricity, as a ring coordinate: the one that was given or else the usual one of such an outline, and
+    /// not so late that the stem could not have become as eccentric since. `None` for arcs.
     pub fn eccentricity_onset(&self) -> Option<f64> {
         match self.shape {
             Shape::Arcs(_) => None,
@@ -264,8 +266,8 @@ impl<'a> Column<'a> {
 }
 
 /// Radii of all rings at all angles for the outer radii. Where rings would cross, they are shifted inwards.
-fn table(outer: &[f64], eccentricity_onset: f64) -> Vec<f64> {
-    let mut table = Waves::new(outer).table(outer, eccentricity_onset);
+fn table(waves: &Waves, outer: &[f64], eccentricity_onset: f64) -> Vec<f64> {
+    let mut table = waves.table(outer, eccentricity_onset);
     for column in table.chunks_exact_mut(LEVELS + 1) {
         // Relative to the tightest even spacing that reaches any of the rings, so that all fit.
         let even = (1..=LEVELS)
@@ -326,6 +328,11 @@ impl Waves {
         }
     }
 
+    /// How far the outline is off a circle about its pith: the amplitude of wave 1.
+    fn eccentricity(&self) -> f64 {
+        libm::hypot(self.parts[2], self.parts[3])
+    }
+
     /// The radii of all rings, which may cross.
     fn table(&self, outer: &[f64], eccentricity_onset: f64) -> Vec<f64> {
         let single = self.parts.len() / 2;
@@ -349,7 +356,7 @@ impl Waves {
                 *weight = match k {
                     // The mean only scales, which the ring's own mean cancels.
                     0 => 0.0,
-                    1 => eccentricity_gain(ring, eccentricity_onset),
+                    1 => share(ring, eccentricity_onset),
                     _ => libm::pow(ring, exponent(self.fading_rate, k)),
                 };
             }
@@ -378,12 +385,6 @@ impl Waves {
 /// The power of ρ by which wave k fades.
 fn exponent(fading_rate: f64, k: usize) -> f64 {
     fading_rate * ((k * k) as f64 - 1.0)
-}
-
-/// The share of the outline's eccentricity that a ring has.
-fn eccentricity_gain(ring: f64, onset: f64) -> f64 {
-    let (r, h) = (ring * ring * ring, onset * onset * onset);
-    r * (1.0 + h) / (r + h)
 }
 
 #[cfg(test)]

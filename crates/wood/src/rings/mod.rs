@@ -4,6 +4,7 @@
 mod address;
 mod concentric;
 mod division;
+mod eccentricity;
 mod erosion;
 mod field;
 mod onset;

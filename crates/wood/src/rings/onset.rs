@@ -1,26 +1,26 @@
 //! When a stem began to be eccentric, from points on its rings.
 
-use super::field::{ECCENTRICITY_ONSET, RingField};
+use super::field::RingField;
 use super::section::SectionRingError;
 use glam::DVec2;
 use greenstick_geometry::Context;
 use std::ops::RangeInclusive;
 
 /// Onsets of eccentricity that are tried, as ring coordinates.
-pub const ONSET_RANGE: RangeInclusive<f64> = 0.02..=1.0;
-/// Spread of onsets from tree to tree, as a standard deviation of their logarithm: that of eleven annotated sections.
-const ONSET_SPREAD: f64 = 0.8;
+pub const ONSET_RANGE: RangeInclusive<f64> = 0.0..=0.9;
+/// Spread of onsets from tree to tree about the usual one, as a standard deviation: that of eleven annotated sections.
+const ONSET_SPREAD: f64 = 0.2;
 /// Standard deviation of a point from the model's ring, as a share of its radius: what bumps and wedges leave.
 const POINT_ERROR: f64 = 0.03;
 /// Points of a ring beyond this number tell nothing new: their deviations are those of the same few bumps.
 const INDEPENDENT_POINTS: f64 = 6.0;
-/// Onsets tried over the whole range, evenly in their logarithm, and halvings of that step about the best.
+/// Onsets tried over the whole range, and halvings of that step about the best.
 const TRIALS: usize = 24;
 const HALVINGS: usize = 5;
 
 impl RingField {
     /// Fits the onset of eccentricity to points on `rings` of a section: the points of one ring should have one ring
-    /// coordinate. Returns the most probable one (maximum a posteriori), which is that of an average tree where the points
+    /// coordinate. Returns the most probable one (maximum a posteriori), which is the usual one of such an outline where the points
     /// do not decide, as on a stem that is hardly eccentric; `None` where no ring has two points.
     ///
     /// # Errors
@@ -34,22 +34,21 @@ impl RingField {
         if rings.iter().all(|ring| ring.len() < 2) {
             return Ok(None);
         }
+        let field = |onset| RingField::with_eccentricity_onset(outline, pith, onset);
+        let usual = field(None)?.eccentricity_onset().unwrap_or_default();
         let misfit = |onset: f64| -> Result<f64, SectionRingError> {
             context.check()?;
-            let field = RingField::with_eccentricity_onset(outline, pith, Some(onset))?;
-            let unusual = libm::log(onset / ECCENTRICITY_ONSET) / ONSET_SPREAD;
+            let field = field(Some(onset))?;
+            let unusual = (onset - usual) / ONSET_SPREAD;
             let missed: f64 = rings.iter().map(|ring| field.spread(ring)).sum();
             Ok(missed / (POINT_ERROR * POINT_ERROR) + unusual * unusual)
         };
-        let (low, high) = (
-            libm::log(*ONSET_RANGE.start()),
-            libm::log(*ONSET_RANGE.end()),
-        );
+        let (low, high) = (*ONSET_RANGE.start(), *ONSET_RANGE.end());
         let mut step = (high - low) / TRIALS as f64;
         let mut best = (f64::INFINITY, low);
         for i in 0..=TRIALS {
             let at = low + step * i as f64;
-            let here = misfit(libm::exp(at))?;
+            let here = misfit(at)?;
             if here < best.0 {
                 best = (here, at);
             }
@@ -58,13 +57,13 @@ impl RingField {
             step /= 2.0;
             for at in [best.1 - step, best.1 + step] {
                 let at = at.clamp(low, high);
-                let here = misfit(libm::exp(at))?;
+                let here = misfit(at)?;
                 if here < best.0 {
                     best = (here, at);
                 }
             }
         }
-        Ok(Some(libm::exp(best.1)))
+        Ok(Some(best.1))
     }
 
     /// Sum of squares of the differences between the ring coordinates of points and their mean, in shares of the mean; of

@@ -378,7 +378,10 @@ impl Search<'_> {
             if round {
                 notes.push("the pith lies outside the section: rings are arcs about it".to_owned());
             }
-            RingField::arcs(pith, reach(&here), extent)
+            // Sawn wood has the rings of the log it was cut from, which are the same wherever it breaks.
+            let all = if round { &[] } else { &sections[..] };
+            let outer = all.iter().map(reach).fold(reach(&here), f64::max);
+            RingField::arcs(pith, outer, extent)
         };
         let ends = (
             reaches_end(body, obstructions, usable.0, 0),

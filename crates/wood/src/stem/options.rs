@@ -66,8 +66,9 @@ parameters! {
             pith: Option<PithPosition> = None, text(PITH).auto();
             /// What the stem is; "auto" tells boards from round stems by their section, and takes round ones to have bark.
             kind: Option<StemKind> = None, choice(StemKind::CHOICES).auto();
-            /// Share of the radius at which a stem that is eccentric began to be: rings within are about round, rings beyond
-            /// lean as the outline does. "auto" is that of an average tree; points on a few rings decide it.
+            /// Share of the radius at which a stem that is eccentric began to lean: rings within are round about the pith,
+            /// rings beyond are wider on one side, all by the same share. "auto" is the usual one of such an outline; points on
+            /// a few rings decide it.
             eccentricity_onset: Option<f64> = None,
                 number(Unit::Fraction, *ONSET_RANGE.start(), *ONSET_RANGE.end()).auto();
         }
