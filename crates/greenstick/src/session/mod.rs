@@ -14,7 +14,7 @@ use crate::request::{Break, BreakRequest, BreakStage};
 use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes};
 use glam::DVec3;
 use greenstick_fracture::parameters::BreakParameters;
-use greenstick_geometry::{Context, Scene};
+use greenstick_geometry::{Context, ErrorKind, Scene};
 use greenstick_skin::cracks::EndOfStem;
 use greenstick_skin::finish::{
     AssembledBreaks, BreakInput, FinishOptions, FinishedBreak, added_triangles, assemble,
@@ -77,8 +77,8 @@ pub struct BreakSession {
     order: BreakOrder,
     /// In the order in which they are made.
     breaks: Vec<CachedBreak>,
-    /// Places of the last request at which the stem is not free, m.
-    left_out: Vec<f64>,
+    /// What is said of places of the last request that were left out.
+    left_out: Vec<BreakNote>,
     changes: Changes,
 }
 
@@ -245,22 +245,21 @@ impl BreakSession {
         ]);
         let (order, left_out) = self.order.resolve(&input.scene, request, &locating)?;
         (self.breaks).resize_with(order.len(), CachedBreak::default);
-        self.left_out = left_out;
+        self.left_out = left_out.into_iter().collect();
         let mut finished: Vec<BreakPieces> = Vec::new();
         let mut remaining: Option<(Arc<Scene>, u64)> = None;
         let count = order.len();
         for (at, placed) in order.into_iter().enumerate() {
             let [cutting, finishing] = breaking.item(at, count).split([(CUT, 3.0), (FINISH, 2.0)]);
             let one = &mut self.breaks[at];
-            let before = remaining.as_ref();
-            let (scene, id) = before.map_or((&input.scene, 0), |(scene, id)| (&**scene, *id));
+            let (scene, id) = (remaining.as_ref()).map_or((&input.scene, 0), |r| (&*r.0, r.1));
             let above = finished.last().map(|m| m.stages.lowest_point());
             let input = ChainInput {
                 id,
                 stem: &request.stem,
                 rings: &request.rings,
                 neighbours: placed.neighbours.beyond(above),
-                inner_wood_before: at as u32,
+                inner_wood_before: finished.len() as u32,
                 whole: placed.whole,
                 number: placed.number,
                 scene,
@@ -285,8 +284,21 @@ impl BreakSession {
                 Ok::<_, Error>((stages, pieces, requested))
             };
             let most = placed.requested.triangles;
-            let (stages, pieces, requested) =
-                within_budget(most, asked, make, |m| added_triangles(&m.0, &m.1.value))?;
+            let made = within_budget(most, asked, make, |m| added_triangles(&m.0, &m.1.value));
+            let has_others = at + 1 < count || !finished.is_empty();
+            let (stages, pieces, requested) = match made {
+                // Where all places at a distance were asked for, one that fails does not cost the others.
+                Err(error)
+                    if request.every.is_some()
+                        && has_others
+                        && error.kind() != ErrorKind::Cancelled =>
+                {
+                    let (at_m, problem) = (placed.at_m, error.to_string());
+                    self.left_out.push(BreakNote::PlaceFailed { at_m, problem });
+                    continue;
+                }
+                made => made?,
+            };
             changes.note(BreakStage::Finish, pieces.is_new);
             if at + 1 < count {
                 let found = one.remaining.get(pieces.id, ids, |_| {

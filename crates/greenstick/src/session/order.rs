@@ -4,6 +4,7 @@
 use crate::Error;
 use crate::request::{Break, BreakRequest};
 use greenstick_geometry::{Context, Scene};
+use greenstick_skin::report::BreakNote;
 use greenstick_skin::stages::{BreakPlaces, Neighbours, WholeStem, check_number};
 use greenstick_wood::stem::{FoundStem, StemLocation, StemOptions, find_stem};
 use std::sync::Arc;
@@ -13,6 +14,8 @@ use std::sync::Arc;
 pub(super) struct PlacedBreak {
     /// Its index in the request.
     pub number: usize,
+    /// Length along the stem, if the request has several, m.
+    pub at_m: f64,
     /// The break; if the request has several, its location is a point.
     pub requested: Break,
     /// The stem before any break, if the request has several.
@@ -27,7 +30,7 @@ pub(super) struct BreakOrder {
 }
 
 impl BreakOrder {
-    /// Returns the breaks of a request in the order in which they are made, and the places that are left out, m.
+    /// Returns the breaks of a request in the order in which they are made, and what is said of places that are left out.
     ///
     /// # Errors
     /// [`Error`] if there is no stem at a location, or a stem cannot be broken at all of them.
@@ -36,21 +39,23 @@ impl BreakOrder {
         scene: &Scene,
         request: &BreakRequest,
         context: &Context,
-    ) -> Result<(Vec<PlacedBreak>, Vec<f64>), Error> {
+    ) -> Result<(Vec<PlacedBreak>, Option<BreakNote>), Error> {
         if let ([only], None) = (&request.breaks[..], request.every) {
             let alone = PlacedBreak {
                 number: 0,
+                at_m: 0.0,
                 requested: only.clone(),
                 whole: None,
                 neighbours: Neighbours::default(),
             };
-            return Ok((vec![alone], Vec::new()));
+            return Ok((vec![alone], None));
         }
         check_number(request.breaks.len())?;
         let found = self.locate(scene, request, context)?;
         let BreakPlaces { from_tip, left_out } = BreakPlaces::new(&found, request.every)?;
         let placed = from_tip.into_iter().map(|at| PlacedBreak {
             number: at.number,
+            at_m: at.length,
             whole: Some(WholeStem::new(&found[at.stem])),
             neighbours: at.neighbours,
             requested: Break {

@@ -179,6 +179,23 @@ fn a_stem_breaks_at_every_multiple_of_a_length() {
 }
 
 /// A stem that is thickest in its middle, and a little thicker at its base: what is left of it is thicker at the break.
+/// The root of a limb that is stuck in the trunk is nearer to the middle of one place than the trunk's own skin.
+#[test]
+fn a_trunk_with_limbs_breaks_at_every_multiple_of_a_length() {
+    let tree = greenstick::files::read(&data("kaykit_Tree_Bare_1_C_Color1.obj"), None).unwrap();
+    let request = BreakRequest {
+        every: Some(0.5),
+        ..at(&[StemLocation::Fraction(0.5)])
+    };
+    let broken = broken(tree, &request);
+    let report = &broken.report;
+    let mut places = vec![report.place.length_m];
+    places.extend(report.further_breaks.iter().map(|b| b.place.length_m));
+    assert!(places.len() >= 8, "{places:?}\n{report}");
+    let failed = |note: &String| note.starts_with("no break at") && !note.contains("not free");
+    assert!(!report.notes.iter().any(failed), "{report}");
+}
+
 #[test]
 fn a_stem_that_is_thick_in_its_middle_breaks_from_its_tip_to_its_base() {
     let mut spindle = primitive::cylinder_of(0.04, 2.0, 32, 60);

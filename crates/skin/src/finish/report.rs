@@ -36,21 +36,20 @@ impl BreakInput {
     }
 }
 
-/// Returns the notes on all breaks, in the order of the request, and on the places that were left out (m).
-pub fn break_notes(breaks: &[FinishedBreak], left_out: &[f64]) -> Vec<BreakNote> {
+/// Returns the notes on all breaks, in the order of the request, and those on places that were left out.
+pub fn break_notes(breaks: &[FinishedBreak], left_out: &[BreakNote]) -> Vec<BreakNote> {
     let order = in_order_of_request(breaks);
     let notes = order.iter().flat_map(|one| one.pieces.notes.clone());
-    let left_out = (!left_out.is_empty()).then(|| BreakNote::PlacesLeftOut(left_out.to_vec()));
-    notes.chain(left_out).collect()
+    notes.chain(left_out.iter().cloned()).collect()
 }
 
 /// Reports on breaks of an input, given in the order in which they were made, on the pieces in `scene`, and on places
-/// that were left out (m). Returns `None` where there is no break.
+/// that were left out. Returns `None` where there is no break.
 pub fn break_report(
     input: &BreakInput,
     breaks: &[FinishedBreak],
     scene: &Scene,
-    left_out: &[f64],
+    left_out: &[BreakNote],
 ) -> Option<BreakReport> {
     let order = in_order_of_request(breaks);
     let first = order.first()?;

@@ -118,6 +118,13 @@ pub enum BreakNote {
     },
     /// The stem is not broken at some multiples of a length, as it is not free there, m from its base.
     PlacesLeftOut(Vec<f64>),
+    /// A place at a regular distance where no break could be made.
+    PlaceFailed {
+        /// Length along the stem, m.
+        at_m: f64,
+        /// Why.
+        problem: String,
+    },
     /// A note of the caller's own.
     Other(String),
 }
@@ -223,6 +230,9 @@ impl fmt::Display for BreakNote {
                 let places: Vec<String> = places.iter().map(|at| format!("{at:.3}")).collect();
                 let places = places.join(", ");
                 write!(f, "no break at {places} m, where the stem is not free: an end, a fork or another limb is there")
+            }
+            BreakNote::PlaceFailed { at_m, problem } => {
+                write!(f, "no break at {at_m:.3} m: {problem}")
             }
             BreakNote::Other(text) => f.write_str(text),
             cracks => on_cracks(f, cracks),

@@ -1,6 +1,7 @@
 //! Where a stem breaks that breaks at several places, and the order in which the breaks are made.
 
 use crate::prepared::Neighbours;
+use crate::report::BreakNote;
 use glam::DVec3;
 use greenstick_wood::stem::FoundStem;
 use std::sync::Arc;
@@ -103,8 +104,8 @@ pub struct BreakPlace {
 pub struct BreakPlaces {
     /// From the farthest from the base to the nearest, the order in which they are made.
     pub from_tip: Vec<BreakPlace>,
-    /// Places at a regular distance that are left out, as the stem is not free there, m.
-    pub left_out: Vec<f64>,
+    /// What is said of places at a regular distance that are left out, as the stem is not free there.
+    pub left_out: Option<BreakNote>,
 }
 
 impl BreakPlaces {
@@ -170,7 +171,7 @@ impl BreakPlaces {
             (0..found.len()).map(|number| place(number, number, &found[number], at(number)));
         Ok(BreakPlaces {
             from_tip: from_tip.collect(),
-            left_out: Vec::new(),
+            left_out: None,
         })
     }
 
@@ -195,7 +196,7 @@ impl BreakPlaces {
             (free.into_iter().enumerate()).map(|(number, at)| place(number, 0, found, at));
         Ok(BreakPlaces {
             from_tip: from_tip.collect(),
-            left_out,
+            left_out: (!left_out.is_empty()).then_some(BreakNote::PlacesLeftOut(left_out)),
         })
     }
 }

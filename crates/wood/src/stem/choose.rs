@@ -177,7 +177,8 @@ pub(super) fn main_stem(
     })
 }
 
-/// The shell nearest to the point `p`, and the limb of it there.
+/// The shell nearest to the point `p`, and the limb of it there. Of shells that `p` lies within, the nearest of these: along the middle
+/// of a stem the root of a limb that is stuck in it may be nearer than its own skin.
 pub(super) fn stem_at_point(
     parts: &Parts,
     p: DVec3,
@@ -185,9 +186,17 @@ pub(super) fn stem_at_point(
     context: &Context,
 ) -> Result<Choice, StemError> {
     let requested = StemLocation::Point(p);
-    let Some(nearest) = nearest_shell(parts, p, context)? else {
+    let Some(mut nearest) = nearest_shell(parts, p, &|_| true, context)? else {
         return Err(StemError::Empty);
     };
+    if nearest.distance > 0.0 {
+        let about = shells_about(parts, p, context)?;
+        if !about.contains(&nearest.shell)
+            && let Some(other) = nearest_shell(parts, p, &|i| about.contains(&i), context)?
+        {
+            nearest = other;
+        }
+    }
     let (shell, q) = (nearest.shell, nearest.point);
     let too_far = || StemError::FarFromWood {
         requested,
@@ -247,13 +256,30 @@ struct NearestShell {
     point: DVec3,
 }
 
+/// The shells that a point lies within.
+fn shells_about(parts: &Parts, p: DVec3, context: &Context) -> Result<Vec<usize>, Cancelled> {
+    let mut about = Vec::new();
+    for (i, shell) in parts.shells.iter().enumerate() {
+        let in_box = shell.low.cmple(p).all() && p.cmple(shell.high).all();
+        if in_box && parts.surface(i, context)?.contains(p) {
+            about.push(i);
+        }
+    }
+    Ok(about)
+}
+
+/// The nearest of the shells that are `asked` for.
 fn nearest_shell(
     parts: &Parts,
     p: DVec3,
+    asked: &dyn Fn(usize) -> bool,
     context: &Context,
 ) -> Result<Option<NearestShell>, Cancelled> {
     let mut best: Option<NearestShell> = None;
     for (i, shell) in parts.shells.iter().enumerate() {
+        if !asked(i) {
+            continue;
+        }
         let bound = (shell.low - p)
             .max(p - shell.high)
             .max(DVec3::ZERO)

@@ -548,6 +548,24 @@ fn a_bare_tree_has_a_stem() {
 }
 
 #[test]
+fn a_point_in_the_middle_of_a_stem_is_of_the_stem_and_not_of_a_limb_stuck_in_it() {
+    let tree = support::obj(&support::data::data("kaykit_Tree_Bare_1_C_Color1.obj"));
+    let meshes = [tree];
+    // The root of a limb ends near the middle of the stem, which is free there.
+    let trunk = at(&meshes, "5m").unwrap();
+    let middle = trunk.stem.grain.axis().frame(5.0).origin;
+    let found = find_stem(
+        &meshes,
+        &StemLocation::Point(middle),
+        &StemOptions::default(),
+        &Context::quiet(),
+    )
+    .unwrap();
+    assert_eq!(found.shell, trunk.shell);
+    assert!((found.stem.location - 5.0).abs() < 0.01);
+}
+
+#[test]
 #[ignore = "needs GREENSTICK_DATA"]
 fn another_bare_tree_has_a_stem() {
     assert_bare_tree(support::obj(&support::data::outside_data(

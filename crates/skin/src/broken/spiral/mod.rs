@@ -1,14 +1,15 @@
 //! Removing the self-intersections of a broken face in spiral grain.
 //!
 //! The map from spiral grain to the world is curved between levels, so that what was cut apart in grain space may cross
-//! in the world, by as little as straight triangles are off curved ones. So vertices near the skin are moved with it
-//! ([`placement`]), edges that run closely below it from outline to outline get a vertex that can lie below it, and what
-//! still crosses is bisected and its vertices moved, round after round, as little as it takes. All this is done at the
-//! positions that files hold. The face is changed before the pieces are made of it, so both have the same. What no round
-//! frees has walls too high and too close to each other: there the surface itself is levelled ([`levelled`]), cut and
-//! repaired again.
+//! in the world, by as little as straight triangles are off curved ones. So vertices of the outline that files hold at one
+//! position are parted ([`outline`]), vertices near the skin are moved with it ([`placement`]), edges that run closely below
+//! it from outline to outline get a vertex that can lie below it, and what still crosses is bisected and its vertices moved,
+//! round after round, as little as it takes. All this is done at the positions that files hold. The face is changed before
+//! the pieces are made of it, so both have the same. What no round frees has walls too high and too close to each other:
+//! there the surface itself is levelled ([`levelled`]), cut and repaired again.
 
 mod levelled;
+mod outline;
 mod placement;
 
 use crate::source::Source;
@@ -127,6 +128,9 @@ pub fn repair_spiral_face(
     depths: &[f64],
 ) -> (SpiralRepair, Vec<u32>) {
     let to_grain = |p| layers.to_grain(transform.transform_point3(p));
+    let points = (source.vertices[..cut.points].iter()).map(|&v| source.mesh.positions[v as usize]);
+    let corners = |triangle: u32| source.mesh.corners(triangle as usize);
+    outline::part_equal_positions(&points.collect::<Vec<_>>(), &corners, &mut cut.vertices);
     let attempt = |depth: f64| {
         let mut repaired = cut.clone();
         let depths = (radius, depth * radius);
