@@ -116,6 +116,8 @@ pub struct Studio {
     numbers: u64,
     /// Whether the next result is framed.
     frame_next: bool,
+    /// Whether nobody has chosen the place of the break yet: the nearest one that works will do.
+    any_place: bool,
     /// When the project was changed, until it is kept.
     pub(super) changed_at: Option<f64>,
     /// A path that is being opened, as titles say it.
@@ -162,6 +164,7 @@ impl Studio {
             before: None,
             numbers: 0,
             frame_next: true,
+            any_place: false,
             changed_at: None,
             opening: None,
             gallery_pictures: super::pictures::Pictures::default(),
@@ -290,6 +293,7 @@ impl Studio {
 
     /// Begins with another input or project.
     pub(super) fn begin(&mut self, opened: Opened, path: &str) {
+        self.any_place = matches!(opened, Opened::Input(_));
         match opened {
             Opened::Input(input) => {
                 let mut file = self.project.file.clone();
@@ -438,7 +442,9 @@ impl Studio {
                     Err(failure) => {
                         // What cannot be finished is not shown.
                         self.drawn = self.before.take().or(self.drawn.take());
-                        self.fail(&failure);
+                        if !self.goes_elsewhere(&failure) {
+                            self.fail(&failure);
+                        }
                     }
                 }
             }
@@ -462,7 +468,30 @@ impl Studio {
         }
     }
 
+    /// Breaks what was just opened at the nearest place that works, if its middle does not; returns whether there is one.
+    fn goes_elsewhere(&mut self, failure: &Failure) -> bool {
+        let any_place = std::mem::take(&mut self.any_place);
+        let Some(place) = failure.place.filter(|_| any_place) else {
+            return false;
+        };
+        let project = &mut self.project;
+        let untouched = !project.is_changed();
+        project.file.common.place = place;
+        if untouched {
+            // Nobody changed anything that could be lost.
+            project.saved = project.file.clone();
+        }
+        self.messages.push(Message {
+            text: format!("Broken at {place}: {}.", failure.message),
+            is_error: false,
+            place: None,
+        });
+        self.wanted = Some(false);
+        true
+    }
+
     fn take_shown(&mut self, mut shown: Shown, work: AtWork, now: f64) {
+        self.any_place = false;
         if !shown.coarse {
             self.last_seconds = now - work.since;
         }

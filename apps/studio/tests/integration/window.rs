@@ -122,6 +122,20 @@ fn the_handle_on_the_wood_tilts_the_break_as_one_step() {
 }
 
 #[test]
+fn a_tree_that_cannot_break_in_its_middle_is_broken_beside_it() {
+    let folder = Folder::new();
+    let tree = test_data("quaternius_DeadTree_1.gltf");
+    let mut harness = studio(&folder, Some(&tree));
+    settle(&mut harness);
+    assert!(harness.state().report().is_some());
+    let messages = harness.state().messages();
+    assert!(messages.iter().all(|m| !m.is_error), "{messages:?}");
+    let told = |m: &greenstick_studio::ui::studio::Message| m.text.starts_with("Broken at 0.");
+    assert!(messages.iter().any(told), "{messages:?}");
+    assert!(!harness.state().project.is_changed());
+}
+
+#[test]
 fn a_search_finds_a_parameter_and_a_double_click_resets_it() {
     let folder = Folder::new();
     let mut harness = studio(&folder, None);
