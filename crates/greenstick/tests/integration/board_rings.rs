@@ -171,10 +171,10 @@ fn the_sides_of_a_board_show_the_rings_that_end_there() {
     let stage = session.stem(&request, &Context::quiet()).unwrap();
     let (stem, square) = (&stage.sound.found.stem, stage.sound.square);
     let broken = session.broken(&request, &Context::quiet()).unwrap();
-    let color = broken.scene.images.iter();
-    let color = color
-        .filter(|i| i.name == "planed_wood_color")
-        .next()
+    let images = &broken.scene.images;
+    let color = images
+        .iter()
+        .find(|i| i.name == "planed_wood_color")
         .unwrap();
     let ImageSource::Bytes(bytes) = &color.source else {
         panic!("the texture is in memory");
