@@ -260,7 +260,7 @@ const SNAP: &str = include_str!("../../../../.ci/snap.toml");
 fn a_simulation_is_the_run_of_its_scene() {
     let folder = Folder::new();
     folder.write("snap.toml", SNAP);
-    folder.write("s.toml", &RUNS.replace(", 400", ""));
+    folder.write("s.toml", RUNS.replace(", 400", ""));
     let run = folder.run(&["sweep", "s.toml", "-o", "d", "--threads", "2"]);
     assert_eq!((run.code, run.err.as_str()), (0, ""));
     let records = records(&folder, "d");
@@ -424,7 +424,7 @@ fn kinds_refuse_what_they_do_not_have() {
 #[test]
 fn parts_make_a_whole_that_nothing_is_missing_from_or_twice_in() {
     let folder = Folder::new();
-    folder.write("s.toml", &SMALL.replace("to = 40", "to = 11"));
+    folder.write("s.toml", SMALL.replace("to = 40", "to = 11"));
     let whole = folder.run(&["sweep", "s.toml", "-o", "whole", "--quiet"]);
     assert_eq!((whole.code, whole.err.as_str()), (0, ""));
     // Both write to one folder at the same time.
