@@ -5,14 +5,16 @@ use crate::failure::{Failure, print};
 use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use greenstick::files;
+use greenstick::formats::Encoded;
 use greenstick::geometry::Context;
 use greenstick::schema::{Parameters, markdown_tables};
+use greenstick_sweep::job::{SWEEP_FILE, TEMPLATE_FILE, template};
 use greenstick_sweep::journal::{Done, Journal, Record};
 use greenstick_sweep::sheet::write_sheet;
 use greenstick_sweep::table::{TABLE_FILE, write_table};
 use greenstick_sweep::variant::BendFile;
 use greenstick_sweep::worker::remove_leftovers;
-use greenstick_sweep::{Sweep, SweepError, SweepSettings, Variant, Worker};
+use greenstick_sweep::{Part, Sweep, SweepError, SweepSettings, Variant, Worker};
 use serde::Serialize;
 use std::io::{BufRead, IsTerminal, Write};
 use std::path::Path;
@@ -39,7 +41,9 @@ struct Report {
     made: u64,
     /// All that failed; their rows say why.
     failed: u64,
-    table: String,
+    /// None of a part.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    table: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sheet: Option<String>,
     stages: Vec<StageTime>,
@@ -57,45 +61,99 @@ pub fn run(options: &SweepOptions) -> Result<ExitCode, Failure> {
     if let Some(number) = options.show {
         return show(&sweep, number);
     }
+    if let Some(folder) = &options.job {
+        return write_job(&sweep, path, (folder, options.parts));
+    }
     let Some(folder) = &options.output else {
         return Err(
             Failure::request("no folder is named for the results").hint("such as -o variants")
         );
     };
-    if sweep.count() > MANY && !options.yes {
-        confirm(sweep.count(), folder)?;
+    let wanted = options
+        .part
+        .map_or(sweep.count(), |part| part.count(sweep.count()));
+    if wanted > MANY && !options.yes {
+        confirm(wanted, folder)?;
     }
-    let mut journal = Journal::open(folder, &sweep)?;
-    remove_leftovers(folder);
+    let mut journal = open(folder, &sweep, options.part)?;
     let found = journal.done().count();
     let progress = Progress::start(options.reporting.quiet);
     let [work, write] = progress.split([("variants", 100.0), ("table", 1.0)]);
     let threads = threads(options);
-    let made = make(&sweep, folder, &mut journal, threads, &work);
+    let what = What {
+        sweep: &sweep,
+        folder,
+        part: options.part,
+        wanted,
+    };
+    let made = make(&what, &mut journal, threads, &work);
     let stopped = made.err();
     let stop = |error: SweepError| {
-        let left = sweep.count() - journal.done().count();
+        let left = wanted - journal.done().count();
         Failure::from(error).or_cancelled(format!(
-            "stopped; {left} of {} variants are missing, and the same command goes on with them",
-            sweep.count()
+            "stopped; {left} of {wanted} variants are missing, and the same command goes on with them"
         ))
     };
     if let Some(error) = stopped {
         return Err(stop(error));
     }
-    write_table(&sweep, &journal, folder, &write).map_err(stop)?;
-    let sheet = write_sheet(&sweep, folder)?;
+    let (mut table, mut sheet) = (None, None);
+    if options.part.is_none() {
+        write_table(&sweep, &journal, folder, &write).map_err(stop)?;
+        table = Some(folder.join(TABLE_FILE).display().to_string());
+        sheet = write_sheet(&sweep, folder)?.map(|path| path.display().to_string());
+    }
     let report = Report {
-        variants: sweep.count(),
+        variants: wanted,
         found,
         made: journal.done().count() - found,
         failed: journal.failed(),
-        table: folder.join(TABLE_FILE).display().to_string(),
-        sheet: sheet.map(|path| path.display().to_string()),
+        table,
+        sheet,
         stages: progress.finish(),
     };
     if options.reporting.prints_report() {
         print(&format_report(&report, options.reporting.json)?)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Opens the journal of a sweep, which takes over what parts have made, or of a part.
+fn open(folder: &Path, sweep: &Sweep, part: Option<Part>) -> Result<Journal, SweepError> {
+    if let Some(part) = part {
+        // Files that are not renamed yet may be those of other parts.
+        return Journal::open_part(folder, sweep, part);
+    }
+    let mut journal = Journal::open(folder, sweep)?;
+    journal.take_parts(folder, sweep)?;
+    remove_leftovers(folder);
+    Ok(journal)
+}
+
+/// Writes a job into a folder: its template and the sweep.
+fn write_job(
+    sweep: &Sweep,
+    path: &Path,
+    (folder, parts): (&Path, u64),
+) -> Result<ExitCode, Failure> {
+    if let Some(file) = sweep.relative_files().first() {
+        return Err(Failure::request(format!(
+            "{}: it names {file} beside it, which workers would not find",
+            path.display()
+        ))
+        .hint("name it by the whole path that it has on the workers"));
+    }
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let text = files::read_text(path)?;
+    let written = files::write_folder(
+        folder,
+        vec![
+            Encoded::new(TEMPLATE_FILE, template(sweep, &name, parts)),
+            Encoded::new(SWEEP_FILE, text),
+        ],
+    )?;
+    for file in written {
+        print(&format!("wrote    {}\n", file.path.display()))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -168,11 +226,19 @@ fn threads(options: &SweepOptions) -> usize {
         .map_or_else(available, usize::from)
 }
 
+/// What is made, and where.
+struct What<'a> {
+    sweep: &'a Sweep,
+    folder: &'a Path,
+    part: Option<Part>,
+    /// How many variants that are.
+    wanted: u64,
+}
+
 /// Makes all variants that are missing. Threads share the number of the next variant and a channel to the journal, nothing
 /// else.
 fn make(
-    sweep: &Sweep,
-    folder: &Path,
+    what: &What,
     journal: &mut Journal,
     threads: usize,
     context: &Context,
@@ -185,12 +251,12 @@ fn make(
             let (sender, context, done, next) = (sender.clone(), context.silenced(), &done, &next);
             scope.spawn(move || {
                 let numbers = || next.fetch_add(1, Ordering::Relaxed);
-                work(sweep, folder, numbers, done, &sender, &context);
+                work(what, numbers, done, &sender, &context);
             });
         }
         // The channel ends with the last thread.
         drop(sender);
-        let kept = keep(&receiver, sweep, journal, context);
+        let kept = keep(&receiver, what.wanted, journal, context);
         if kept.is_err() {
             context.cancel_token().cancel();
             // Threads that wait to send must not wait for ever; what they have made is kept where that is possible.
@@ -205,21 +271,20 @@ fn make(
 /// Makes variants until there are none left. The pool of one thread keeps the loops inside a break from competing with those
 /// of other variants.
 fn work(
-    sweep: &Sweep,
-    folder: &Path,
+    what: &What,
     mut numbers: impl FnMut() -> u64 + Send,
     done: &Done,
     sender: &SyncSender<Result<Record, SweepError>>,
     context: &Context,
 ) {
-    let mut worker = Worker::new(sweep, folder);
+    let mut worker = Worker::new(what.sweep, what.folder);
     let mut all = || {
         loop {
             let number = numbers();
-            if number >= sweep.count() {
+            if number >= what.sweep.count() {
                 return;
             }
-            if done.contains(number) {
+            if done.contains(number) || what.part.is_some_and(|part| !part.contains(number)) {
                 continue;
             }
             let start = Instant::now();
@@ -242,7 +307,7 @@ fn work(
 /// Puts what comes into the journal.
 fn keep(
     receiver: &Receiver<Result<Record, SweepError>>,
-    sweep: &Sweep,
+    wanted: u64,
     journal: &mut Journal,
     context: &Context,
 ) -> Result<(), SweepError> {
@@ -253,7 +318,7 @@ fn keep(
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         }
-        context.report(journal.done().count() as f64 / sweep.count() as f64)?;
+        context.report(journal.done().count() as f64 / wanted.max(1) as f64)?;
     }
 }
 
@@ -268,7 +333,10 @@ fn format_report(report: &Report, json: bool) -> Result<String, Failure> {
     if report.failed > 0 {
         text += &format!(", {} failed (column error)", report.failed);
     }
-    text += &format!("\nwrote    {}\n", report.table);
+    text += "\n";
+    if let Some(table) = &report.table {
+        text += &format!("wrote    {table}\n");
+    }
     if let Some(sheet) = &report.sheet {
         text += &format!("wrote    {sheet}\n");
     }

@@ -3,6 +3,7 @@
 
 use crate::error::SweepError;
 use crate::figures::Figures;
+use crate::part::{Part, is_part_file};
 use crate::plan::Sweep;
 use greenstick::files::FileError;
 use serde::{Deserialize, Serialize};
@@ -91,7 +92,47 @@ impl Journal {
     /// [`SweepError`] where the folder holds another sweep, another process is at work there, or the journal cannot be read
     /// or written.
     pub fn open(folder: &Path, sweep: &Sweep) -> Result<Self, SweepError> {
-        let path = folder.join(JOURNAL_FILE);
+        Journal::open_file(folder, sweep, JOURNAL_FILE)
+    }
+
+    /// Opens the journal of a part of a sweep, which other processes make the rest of in the same folder. The journal of the
+    /// whole takes over what is in it ([`Journal::take_parts`]).
+    ///
+    /// # Errors
+    /// As [`Journal::open`].
+    pub fn open_part(folder: &Path, sweep: &Sweep, part: Part) -> Result<Self, SweepError> {
+        Journal::open_file(folder, sweep, &part.journal_file())
+    }
+
+    /// Takes over what the journals of parts in the folder have and this one does not.
+    ///
+    /// # Errors
+    /// As [`Journal::open`]; [`SweepError::AtWork`] where a process is at work on a part.
+    pub fn take_parts(&mut self, folder: &Path, sweep: &Sweep) -> Result<(), SweepError> {
+        let io = SweepError::io(folder);
+        let mut names: Vec<String> = Vec::new();
+        for entry in fs::read_dir(folder).map_err(&io)? {
+            let name = entry.map_err(&io)?.file_name();
+            names.extend(name.to_str().filter(|n| is_part_file(n)).map(str::to_owned));
+        }
+        names.sort();
+        for name in names {
+            let part = Journal::open_file(folder, sweep, &name)?;
+            let mut records = Vec::new();
+            part.each_line(|line, number, _| {
+                if number > 1 {
+                    let record: Record = serde_json::from_str(line).map_err(|e| e.to_string())?;
+                    records.extend((!self.done.contains(record.variant)).then_some(record));
+                }
+                Ok(())
+            })?;
+            records.iter().try_for_each(|record| self.add(record))?;
+        }
+        Ok(())
+    }
+
+    fn open_file(folder: &Path, sweep: &Sweep, name: &str) -> Result<Self, SweepError> {
+        let path = folder.join(name);
         fs::create_dir_all(folder).map_err(|source| FileError::Unwritable {
             path: folder.to_owned(),
             source,

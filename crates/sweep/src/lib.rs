@@ -6,16 +6,19 @@
 //! A [`Sweep`] breaks, simulates or bends wood often, with parameters that vary. It knows every variant by its number alone
 //! ([`plan`], [`variant`]), so that variants can be made in any order, by any number of threads, and again. A [`Worker`] makes
 //! one ([`worker`]); a [`Journal`] keeps what came of each ([`journal`], [`figures`]); a table and a contact sheet are made of
-//! the journal ([`table`], [`sheet`]). Threads and clocks are the program's.
+//! the journal ([`table`], [`sheet`]). Several processes make the parts of a sweep ([`part`]), as render farms do by a job
+//! ([`job`]). Threads and clocks are the program's.
 #![deny(missing_docs)]
 
 pub mod axis;
 mod error;
 pub mod figures;
 pub mod input;
+pub mod job;
 pub mod journal;
 pub mod keys;
 mod making;
+pub mod part;
 pub mod plan;
 pub mod sheet;
 pub mod shown;
@@ -28,6 +31,7 @@ pub mod worker;
 pub use error::SweepError;
 pub use input::{Input, InputError};
 pub use journal::{Journal, Record};
+pub use part::Part;
 pub use plan::{Sweep, SweepSettings};
 pub use variant::Variant;
 pub use worker::Worker;

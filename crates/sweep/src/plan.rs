@@ -274,6 +274,19 @@ impl Sweep {
         content_hash(&text)
     }
 
+    /// Returns the files that the sweep names relative to its own.
+    pub fn relative_files(&self) -> Vec<&str> {
+        let recipe = match &self.base {
+            Variant::Break(file) => file.input.as_deref(),
+            Variant::Scene(_) | Variant::Bend(_) => None,
+        };
+        let scene = self.settings.scene.as_deref();
+        let scene = scene.filter(|name| name.ends_with(".toml"));
+        let named = [recipe, scene, self.settings.input.as_deref()];
+        let named = named.into_iter().flatten();
+        named.filter(|name| Path::new(name).is_relative()).collect()
+    }
+
     /// Returns the path of the input of a variant, relative to the working directory.
     pub fn input_path(&self, variant: &Variant) -> Option<PathBuf> {
         let name = match variant {

@@ -2,6 +2,8 @@
 
 use super::ReportingOptions;
 use clap::Args;
+use greenstick_sweep::Part;
+use greenstick_sweep::job::MAX_PARTS;
 use std::path::PathBuf;
 
 const SWEEP_EXAMPLES: &str = "\
@@ -21,7 +23,9 @@ A sweep that was stopped or killed goes on with what is missing when the same co
 
 Examples
   greenstick sweep sweep.toml -o variants
-  greenstick sweep sweep.toml --show 17 > variant.toml     then: greenstick break --recipe variant.toml";
+  greenstick sweep sweep.toml --show 17 > variant.toml     then: greenstick break --recipe variant.toml
+  greenstick sweep sweep.toml -o variants --part 2/4       one of four machines that share a folder
+  greenstick sweep sweep.toml --job job --parts 64         then: openjd run job/template.json --step Variants";
 
 #[derive(Debug, Args)]
 #[command(after_help = SWEEP_EXAMPLES)]
@@ -30,8 +34,17 @@ pub struct SweepOptions {
     #[arg(required_unless_present = "markdown")]
     pub sweep: Option<PathBuf>,
     /// Folder for the pieces, the table (variants.parquet), the contact sheet (sheet.png) and the journal
-    #[arg(short, long, value_name = "DIR", required_unless_present_any = ["show", "markdown"])]
+    #[arg(short, long, value_name = "DIR", required_unless_present_any = ["show", "job", "markdown"])]
     pub output: Option<PathBuf>,
+    /// Make one part of the variants only, such as 1/8, and no table; the command without it takes over what parts have made
+    #[arg(long, value_name = "NUMBER/ALL", conflicts_with_all = ["show", "job"])]
+    pub part: Option<Part>,
+    /// Write a job of the Open Job Description, which render farms run, into a folder and do nothing else
+    #[arg(long, value_name = "FOLDER", conflicts_with_all = ["output", "show"])]
+    pub job: Option<PathBuf>,
+    /// Parts of that job, each a task of its own
+    #[arg(long, value_name = "NUMBER", default_value_t = 16, value_parser = clap::value_parser!(u64).range(1..=MAX_PARTS), requires = "job")]
+    pub parts: u64,
     /// Go on without asking, however many variants there are
     #[arg(short, long)]
     pub yes: bool,

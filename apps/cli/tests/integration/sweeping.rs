@@ -260,7 +260,7 @@ const SNAP: &str = include_str!("../../../../.ci/snap.toml");
 fn a_simulation_is_the_run_of_its_scene() {
     let folder = Folder::new();
     folder.write("snap.toml", SNAP);
-    folder.write("s.toml", &RUNS.replace(", 400", ""));
+    folder.write("s.toml", RUNS.replace(", 400", ""));
     let run = folder.run(&["sweep", "s.toml", "-o", "d", "--threads", "2"]);
     assert_eq!((run.code, run.err.as_str()), (0, ""));
     let records = records(&folder, "d");
@@ -419,4 +419,75 @@ fn kinds_refuse_what_they_do_not_have() {
         assert_refused(&folder, text, &["-o", "d"], message);
     }
     assert!(!folder.0.join("d").exists());
+}
+
+#[test]
+fn parts_make_a_whole_that_nothing_is_missing_from_or_twice_in() {
+    let folder = Folder::new();
+    folder.write("s.toml", SMALL.replace("to = 40", "to = 11"));
+    let whole = folder.run(&["sweep", "s.toml", "-o", "whole", "--quiet"]);
+    assert_eq!((whole.code, whole.err.as_str()), (0, ""));
+    // Both write to one folder at the same time.
+    let part = |part: &str| {
+        Command::new(env!("CARGO_BIN_EXE_greenstick"))
+            .args(["sweep", "s.toml", "-o", "d", "--part", part, "--quiet"])
+            .current_dir(&folder.0)
+            .spawn()
+            .unwrap()
+    };
+    for mut child in [part("1/3"), part("3/3")] {
+        assert!(child.wait().unwrap().success());
+    }
+    assert!(!folder.0.join("d/variants.parquet").exists());
+    // Half of a line is what a part that was killed may leave.
+    let journal = folder.0.join("d/journal-000003-of-000003.jsonl");
+    let mut text = fs::read_to_string(&journal).unwrap();
+    assert_eq!(text.lines().count(), 1 + 3);
+    text += "{\"variant\":39,\"seco";
+    fs::write(&journal, text).unwrap();
+    let again = folder.run(&["sweep", "s.toml", "-o", "d", "--part", "3/3"]);
+    assert!(
+        again.out.starts_with("variants 3, 0 made, 3 were there\n"),
+        "{}",
+        again.out
+    );
+    // The second part was never made; the whole does.
+    for (found, made) in [(7, 4), (11, 0)] {
+        let rest = folder.run(&["sweep", "s.toml", "-o", "d", "--json"]);
+        assert_eq!(rest.code, 0, "{}", rest.err);
+        let report: Value = serde_json::from_str(&rest.out).unwrap();
+        assert_eq!(
+            (&report["found"], &report["made"]),
+            (&found.into(), &made.into())
+        );
+    }
+    let records = records(&folder, "d");
+    assert_eq!(records.len(), 11);
+    assert!(records.values().all(|lines| lines.len() == 1));
+    assert!(pieces(&folder, "d") == pieces(&folder, "whole"));
+    assert!(folder.read("d/variants.parquet").starts_with(b"PAR1"));
+    let other = SMALL.replace("to = 40", "to = 12");
+    let message = "d: this folder holds another sweep (of 11 variants, not 12)";
+    assert_refused(&folder, &other, &["-o", "d", "--part", "3/3"], message);
+    let none = "expected the number of a part and how many there are, such as 1/8";
+    assert_refused(&folder, SMALL, &["-o", "d", "--part", "9/8"], none);
+}
+
+#[test]
+fn a_job_has_a_task_for_each_part() {
+    let folder = Folder::new();
+    folder.write("s.toml", SMALL);
+    let written = folder.run(&["sweep", "s.toml", "--job", "job", "--parts", "64"]);
+    assert_eq!(written.code, 0, "{}", written.err);
+    let template: Value = serde_json::from_slice(&folder.read("job/template.json")).unwrap();
+    let steps = &template["steps"];
+    let parts = &steps[0]["parameterSpace"]["taskParameterDefinitions"][0];
+    // There are no more than variants.
+    assert_eq!(parts["range"], "1-40");
+    assert_eq!(steps[1]["dependencies"][0]["dependsOn"], steps[0]["name"]);
+    assert!(folder.read("job/sweep.toml") == SMALL.as_bytes());
+    let named = format!("input = 'pole.ply'\n{SMALL}");
+    let message = "it names pole.ply beside it";
+    assert_refused(&folder, &named, &["--job", "other"], message);
+    assert!(!folder.0.join("other").exists());
 }
