@@ -1,6 +1,7 @@
 //! Writes a film of a bending stick in every moving format, for foreign readers to judge: `film FOLDER [JOINTS] [RINGS]
 //! [FRAMES] [MOST_JOINTS]`.
 
+#[allow(dead_code)] // Tests use the rest.
 #[path = "../tests/integration/common/mod.rs"]
 mod common;
 

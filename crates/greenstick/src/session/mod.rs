@@ -239,10 +239,8 @@ impl BreakSession {
     ) -> Result<Vec<BreakPieces>, Error> {
         self.changes = Changes::default();
         let input = self.input.clone();
-        let [locating, breaking] = context.split([
-            (STEM, request.breaks.len() as f64 - 1.0),
-            (CUT, 4.0 * request.breaks.len() as f64),
-        ]);
+        let asked_for = request.breaks.len() as f64;
+        let [locating, breaking] = context.split([(STEM, asked_for - 1.0), (CUT, 4.0 * asked_for)]);
         let (order, left_out) = self.order.resolve(&input.scene, request, &locating)?;
         (self.breaks).resize_with(order.len(), CachedBreak::default);
         self.left_out = left_out.into_iter().collect();
@@ -293,8 +291,7 @@ impl BreakSession {
                         && has_others
                         && error.kind() != ErrorKind::Cancelled =>
                 {
-                    let (at_m, problem) = (placed.at_m, error.to_string());
-                    self.left_out.push(BreakNote::PlaceFailed { at_m, problem });
+                    (self.left_out).push(BreakNote::place_failed(placed.at_m, &error));
                     continue;
                 }
                 made => made?,

@@ -130,6 +130,14 @@ pub enum BreakNote {
 }
 
 impl BreakNote {
+    /// Returns the note on a place, a length along the stem in m, where no break could be made.
+    pub fn place_failed(at_m: f64, error: &dyn std::error::Error) -> BreakNote {
+        BreakNote::PlaceFailed {
+            at_m,
+            problem: error.to_string(),
+        }
+    }
+
     /// Returns the notes on the cracks of a face.
     pub(crate) fn on_grooves(face: &'static str, made: &GroovedSurface) -> Vec<BreakNote> {
         let mut notes = vec![BreakNote::CracksMade {

@@ -164,7 +164,10 @@ fn check(wood: &Wood, frame: &Frame) -> Result<(), RodSkinError> {
     if frame.rod_offsets.len() != frame.parent.len() + 1
         || frame.rod_offsets.first() != Some(&0)
         || frame.rod_offsets.last().map(|&l| l as usize) != Some(frame.origin.len())
-        || frame.rod_offsets.windows(2).any(|w| w[1] < w[0] + 2)
+        || frame
+            .rod_offsets
+            .windows(2)
+            .any(|w| w[1] < w[0].saturating_add(2))
     {
         return wrong("the list of rods", "it does not cover the vertices".into());
     }

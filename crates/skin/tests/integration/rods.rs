@@ -362,9 +362,10 @@ fn frames_of_other_wood_are_refused() {
     let wood = wood(&grown);
     let whole = broken(&grown, 1, 0.1, 0.3);
     type Change = (&'static str, fn(&mut Frame));
-    let changes: [Change; 5] = [
+    let changes: [Change; 6] = [
         ("a rod", |f| f.parent[1] = 77),
         ("list of rods", |f| f.rod_offsets[1] = 1),
+        ("list of rods", |f| f.rod_offsets[1] = u32::MAX - 1),
         ("number of vertices", |f| {
             let last = f.rod_offsets.len() - 2;
             f.parent.truncate(last);

@@ -21,6 +21,7 @@ use greenstick_geometry::repair::{
     Collapsed, EdgeBisector, EdgeCollapser, Untangler, crossing_pairs, crossing_pairs_within,
 };
 use greenstick_wood::stem::LayeredGrain;
+use outline::{part_equal_positions, rounded};
 use placement::Placement;
 use std::collections::BTreeSet;
 
@@ -130,7 +131,7 @@ pub fn repair_spiral_face(
     let to_grain = |p| layers.to_grain(transform.transform_point3(p));
     let points = (source.vertices[..cut.points].iter()).map(|&v| source.mesh.positions[v as usize]);
     let corners = |triangle: u32| source.mesh.corners(triangle as usize);
-    outline::part_equal_positions(&points.collect::<Vec<_>>(), &corners, &mut cut.vertices);
+    part_equal_positions(&points.collect::<Vec<_>>(), &corners, &mut cut.vertices);
     let attempt = |depth: f64| {
         let mut repaired = cut.clone();
         let depths = (radius, depth * radius);
@@ -471,9 +472,4 @@ impl<'a> Face<'a> {
 fn placed(place: DVec3, to_grain: &dyn Fn(DVec3) -> DVec3) -> (DVec3, DVec3) {
     let place = rounded(place);
     (place, to_grain(place))
-}
-
-/// A position as files hold it.
-fn rounded(p: DVec3) -> DVec3 {
-    p.as_vec3().as_dvec3()
 }

@@ -1,7 +1,6 @@
 //! Vertices of a break's outline on the skin that files hold at one position. There the two sides of a splinter or of a gap meet
 //! although they lie apart, in an edge of four triangles that nothing can take apart again. So each gets a position of its own.
 
-use super::rounded;
 use glam::DVec3;
 use greenstick_fracture::cut::{CutVertex, Host};
 use rustc_hash::FxHashSet;
@@ -82,6 +81,11 @@ pub(super) fn part_equal_positions(
 /// How far apart positions of this size in files are, at most.
 fn spacing(size: DVec3) -> f64 {
     size.max_element() * f64::from(f32::EPSILON)
+}
+
+/// A position as files hold it.
+pub(super) fn rounded(p: DVec3) -> DVec3 {
+    p.as_vec3().as_dvec3()
 }
 
 /// The bits of a position as files hold it; both zeros have the same.
