@@ -69,6 +69,7 @@ fn packages(root: &Path, folder: &Path) -> Result<(), String> {
     if built.exists() {
         fs::remove_dir_all(&built).map_err(|e| format!("{}: {e}", built.display()))?;
     }
+    forget_unpacked()?;
     let mut cargo = cargo(root);
     // Packages are built to see that nothing is missing: optimising them would only take time.
     cargo
@@ -90,6 +91,26 @@ fn packages(root: &Path, folder: &Path) -> Result<(), String> {
     let at_top = |path: &Path| path.parent() == Some(&*built);
     for package in workspace::files_below(&built, &|p| is_package(p) && at_top(p))? {
         copy(&package, &into)?;
+    }
+    Ok(())
+}
+
+/// Removes what cargo unpacked of our packages before. It knows them by name and version alone, and would build the old ones again.
+fn forget_unpacked() -> Result<(), String> {
+    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
+    let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
+    let Some(sources) = home.map(|home| home.join("registry/src")) else {
+        return Ok(());
+    };
+    let Ok(registries) = fs::read_dir(&sources) else {
+        return Ok(());
+    };
+    for registry in registries.flatten() {
+        // A registry that is a folder has no host, after which the others are named.
+        if registry.file_name().to_string_lossy().starts_with('-') {
+            let path = registry.path();
+            fs::remove_dir_all(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+        }
     }
     Ok(())
 }
