@@ -65,9 +65,11 @@ pub fn build(root: &Path) -> Result<Vec<String>, String> {
 
 /// The packages of crates.io, each of which has to build from nothing but its own files.
 fn packages(root: &Path, folder: &Path) -> Result<(), String> {
-    let built = root.join("target/package");
-    if built.exists() {
-        fs::remove_dir_all(&built).map_err(|e| format!("{}: {e}", built.display()))?;
+    let target = root.join("target/packages");
+    let built = target.join("package");
+    // Cargo knows packages by name and version alone, and would take what it compiled and unpacked of them before.
+    if target.exists() {
+        fs::remove_dir_all(&target).map_err(|e| format!("{}: {e}", target.display()))?;
     }
     forget_unpacked()?;
     let mut cargo = cargo(root);
@@ -81,7 +83,9 @@ fn packages(root: &Path, folder: &Path) -> Result<(), String> {
             "--locked",
             "--allow-dirty",
             "--quiet",
+            "--target-dir",
         ])
+        .arg(&target)
         .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
         .env("CARGO_PROFILE_DEV_DEBUG", "0");
     run(cargo)?;
@@ -95,7 +99,7 @@ fn packages(root: &Path, folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Removes what cargo unpacked of our packages before. It knows them by name and version alone, and would build the old ones again.
+/// Removes what cargo unpacked of our packages before.
 fn forget_unpacked() -> Result<(), String> {
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
