@@ -143,6 +143,7 @@ def make_files(folder: Path) -> None:
         'texture_size = 16\n[break]\nrings = 6\nsectors = 12\n[sweep]\nsheet = 0\n[vary]\nseed = { from = 1, to = 18 }\n'
     )
     (folder / "variant.toml").write_text('preset = "brash"\n')
+    shutil.copy(ROOT / ".ci" / "snap.toml", folder / "variant-scene.toml")
     (folder / "film.glb").write_bytes((folder / "log.glb").read_bytes())
 
 
