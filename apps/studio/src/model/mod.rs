@@ -1,5 +1,6 @@
 //! What the studio knows and does, apart from any window: no threads, no files, no clock.
 
+pub mod breaks;
 pub mod command;
 pub mod desk;
 pub mod early;
@@ -13,6 +14,5 @@ pub mod meshes;
 pub mod project;
 pub mod randomise;
 pub mod section;
-pub mod several;
 pub mod tilt;
 pub mod wire;

@@ -39,7 +39,7 @@ impl Studio {
             Action::NewSeed => self.new_seed(now),
             Action::ResetAll => {
                 let reset = self.project.reset();
-                self.took(reset, now);
+                self.finish_step(reset, now);
             }
             Action::AddBreak => self.add_break_beside(now),
             Action::RemoveBreak => self.remove_break(now),
@@ -95,7 +95,7 @@ impl Studio {
 
     fn randomise(&mut self, now: f64) {
         let drawn = self.project.randomise(now.to_bits());
-        self.took(drawn, now);
+        self.finish_step(drawn, now);
     }
 
     fn new_seed(&mut self, now: f64) {

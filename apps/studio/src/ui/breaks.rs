@@ -10,7 +10,7 @@ const DISC: f32 = 10.0;
 /// The colour of what acts on the wood.
 pub(super) const ACCENT: Color32 = Color32::from_rgb(255, 140, 40);
 /// Places, as parts of the length, at which another break is tried, the last of those that are farthest from all others and from the ends.
-const PLACES: [f64; 7] = [0.875, 0.625, 0.375, 0.125, 0.25, 0.75, 0.5];
+const CANDIDATE_PLACES: [f64; 7] = [0.875, 0.625, 0.375, 0.125, 0.25, 0.75, 0.5];
 
 impl Studio {
     /// The bar above the parameters.
@@ -55,7 +55,7 @@ impl Studio {
         if added == Ok(true) {
             self.said = format!("Break {}.", self.project.break_count());
         }
-        self.took(added, now);
+        self.finish_step(added, now);
     }
 
     /// Adds a break where the stem has most room.
@@ -67,7 +67,7 @@ impl Studio {
             let others = taken.iter().map(|t| (t - part).abs());
             others.fold(part.min(1.0 - part), f64::min)
         };
-        let widest = PLACES
+        let widest = CANDIDATE_PLACES
             .into_iter()
             .max_by(|a, b| room(a).total_cmp(&room(b)));
         self.add_break(StemLocation::Fraction(widest.unwrap_or(0.5)), now);
@@ -80,7 +80,7 @@ impl Studio {
             return;
         };
         let removed = self.project.remove_break(number);
-        self.took(removed, now);
+        self.finish_step(removed, now);
     }
 
     /// Where the numbers of several breaks stand in the picture.

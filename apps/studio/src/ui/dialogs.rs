@@ -8,7 +8,7 @@ use crate::model::command::equivalent;
 use crate::platform::Export;
 use eframe::egui::{self, Grid, Id, Modal, RichText, Ui};
 use greenstick::formats::{CloudFormat, Format, OutputFormat};
-use greenstick::schema::{Parameters, Value};
+use greenstick::schema::Value;
 
 /// Ending of project files.
 const PROJECT_ENDING: &str = ".greenstick.toml";
@@ -131,7 +131,7 @@ impl Studio {
 
     fn export_dialog(&mut self, ui: &mut Ui, files: &mut FileDialog) -> bool {
         let mut chosen = files.show(ui, &*self.platform);
-        let list = self.project.file.list();
+        let list = self.project.parameters();
         let now = ui.input(|i| i.time);
         let value = |key: &str| list.iter().find(|p| p.key == key).map(|p| p.value.clone());
         ui.horizontal(|ui| {

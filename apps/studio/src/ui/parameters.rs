@@ -2,7 +2,7 @@
 
 use super::actions::Action;
 use super::studio::Studio;
-use crate::model::several::PLACE;
+use crate::model::breaks::PLACE;
 use eframe::egui::{self, RichText, Slider, Ui};
 use greenstick::schema::{Kind, ParameterInfo, Scale, Value};
 use greenstick::wood::species::Species;

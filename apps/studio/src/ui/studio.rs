@@ -117,7 +117,7 @@ pub struct Studio {
     /// Whether the next result is framed.
     frame_next: bool,
     /// Whether nobody has chosen the place of the break yet: the nearest one that works will do.
-    any_place: bool,
+    may_move_place: bool,
     /// When the project was changed, until it is kept.
     pub(super) changed_at: Option<f64>,
     /// A path that is being opened, as titles say it.
@@ -164,7 +164,7 @@ impl Studio {
             before: None,
             numbers: 0,
             frame_next: true,
-            any_place: false,
+            may_move_place: false,
             changed_at: None,
             opening: None,
             gallery_pictures: super::pictures::Pictures::default(),
@@ -277,7 +277,7 @@ impl Studio {
     }
 
     /// Notes that a step changed the request, or says why it did not.
-    pub(super) fn took(&mut self, step: Result<bool, String>, now: f64) {
+    pub(super) fn finish_step(&mut self, step: Result<bool, String>, now: f64) {
         match step {
             Ok(true) => self.changed(false, now),
             Ok(false) => {}
@@ -288,12 +288,12 @@ impl Studio {
     /// Puts the selected break at a place of the scene; a point is one of the unbroken stem.
     pub(super) fn move_break(&mut self, place: StemLocation, now: f64) {
         let moved = self.project.move_break(place);
-        self.took(moved, now);
+        self.finish_step(moved, now);
     }
 
     /// Begins with another input or project.
     pub(super) fn begin(&mut self, opened: Opened, path: &str) {
-        self.any_place = matches!(opened, Opened::Input(_));
+        self.may_move_place = matches!(opened, Opened::Input(_));
         match opened {
             Opened::Input(input) => {
                 let mut file = self.project.file.clone();
@@ -442,7 +442,7 @@ impl Studio {
                     Err(failure) => {
                         // What cannot be finished is not shown.
                         self.drawn = self.before.take().or(self.drawn.take());
-                        if !self.goes_elsewhere(&failure) {
+                        if !self.break_at_nearest_place(&failure) {
                             self.fail(&failure);
                         }
                     }
@@ -469,9 +469,9 @@ impl Studio {
     }
 
     /// Breaks what was just opened at the nearest place that works, if its middle does not; returns whether there is one.
-    fn goes_elsewhere(&mut self, failure: &Failure) -> bool {
-        let any_place = std::mem::take(&mut self.any_place);
-        let Some(place) = failure.place.filter(|_| any_place) else {
+    fn break_at_nearest_place(&mut self, failure: &Failure) -> bool {
+        let may_move_place = std::mem::take(&mut self.may_move_place);
+        let Some(place) = failure.place.filter(|_| may_move_place) else {
             return false;
         };
         let project = &mut self.project;
@@ -491,7 +491,7 @@ impl Studio {
     }
 
     fn take_shown(&mut self, mut shown: Shown, work: AtWork, now: f64) {
-        self.any_place = false;
+        self.may_move_place = false;
         if !shown.coarse {
             self.last_seconds = now - work.since;
         }
