@@ -7,6 +7,7 @@
 use super::contact_point::{ContactPoint, SLOP, Side, StepMotion};
 use super::displacement::moved_squared;
 use super::segments::{Bounds, Segment, are_far_apart, closest_parameters, distance};
+use crate::failure::crumbs::is_crumb;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::vectors::Vectors;
@@ -44,6 +45,9 @@ pub(super) struct RodPairs {
     unbroken_counts: Vec<u32>,
     /// Per edge: whether it has lost bonds, which kept it apart from others.
     loose: Vec<bool>,
+    /// Per edge: whether it is of a crumb that nothing holds. It would be wedged between others, whose equilibrium it bears nothing
+    /// of and does not let find.
+    crumb: Vec<bool>,
 }
 
 /// A cubic grid.
@@ -107,12 +111,17 @@ impl RodPairs {
         let mut pieces = vec![0u32; bundle.parent.iter().max().map_or(0, |p| *p as usize + 1)];
         (bundle.parent.iter()).for_each(|p| pieces[*p as usize] += 1);
         let was_loose = std::mem::replace(&mut self.loose, vec![true; bundle.vertices()]);
+        self.crumb.clear();
+        self.crumb.resize(bundle.vertices(), false);
         for rod in 0..bundle.rods() {
             let broken = pieces[bundle.parent[rod] as usize] > 1;
             for j in bundle.rod(rod) {
                 let unbroken = self.unbroken_counts.get(bundle.origin[j] as usize);
                 self.loose[j] = broken || counts[j] == 0 || unbroken != Some(&counts[j]);
             }
+            let edges = || bundle.rod(rod).filter(|&j| bundle.is_edge(j));
+            let free = !bundle.twisting && is_crumb(bundle, rod) && edges().all(|j| counts[j] == 0);
+            edges().for_each(|j| self.crumb[j] = free);
         }
         self.bond_counts = counts;
         if self.margin > 0.0 {
@@ -370,6 +379,7 @@ impl RodPairs {
                     let b = b as usize;
                     if wanted(b)
                         && (self.loose[a] || self.loose[b])
+                        && !(self.crumb[a] || self.crumb[b])
                         && self.boxes[a].overlaps(&self.boxes[b])
                     {
                         let (a, b) = (a.min(b), a.max(b));
@@ -444,7 +454,9 @@ fn are_bonded(bundle: &RodBundle, a: usize, b: usize) -> bool {
 mod tests {
     use super::*;
     use crate::bonds::Bond;
+    use crate::loads::Loads;
     use crate::rod_bundle::{Rod, RodMaterial};
+    use crate::topology::break_up;
     use greenstick_wood::noise;
 
     /// Sixteen rods in a square, and bonds between all that are near.
@@ -482,6 +494,37 @@ mod tests {
         let bonds: Vec<Bond> = all.collect();
         bundle.set_bonds(bonds.clone()).unwrap();
         (bundle, bonds)
+    }
+
+    #[test]
+    fn a_crumb_that_nothing_holds_touches_no_rod_and_a_longer_piece_does() {
+        let material = RodMaterial::solid(1e-6, 1e10, 1e9, 600.0);
+        let rods = [0.0, 0.02].map(|x| {
+            let vertex = |i: usize| DVec3::new(x, 0.0, 4e-3 * i as f64);
+            Rod::new((0..9).map(vertex).collect(), material)
+        });
+        for (edges, expected) in [(1, 0), (2, 0), (3, 1)] {
+            let mut bundle = RodBundle::new(&rods, false).unwrap();
+            let mut state = State::at_rest(&bundle);
+            let mut pairs = RodPairs::default();
+            pairs.bundle_changed(&bundle);
+            let mut loads = Loads::default();
+            break_up(&mut bundle, &mut state, &mut loads, &[], &[9 + edges]);
+            pairs.bundle_changed(&bundle);
+            // The piece lies across the first rod.
+            for v in bundle.rod(1) {
+                let along = 4e-3 * (v - bundle.rod(1).start) as f64;
+                state.position.set(v, DVec3::new(1e-3, along, 0.01));
+            }
+            let radius: Vec<f64> = (0..bundle.vertices())
+                .map(|j| if bundle.is_edge(j) { 6e-4 } else { 0.0 })
+                .collect();
+            let (mut found, context) = (Vec::new(), Context::quiet());
+            pairs
+                .gather(&bundle, &state, &radius, None, &mut found, &context)
+                .unwrap();
+            assert_eq!(found.len(), expected, "{edges} edges");
+        }
     }
 
     #[test]

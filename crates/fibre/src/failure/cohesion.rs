@@ -141,6 +141,18 @@ fn onset(fracture_energy: f64, at_strength: f64) -> f64 {
     if reduced < 1.0 { reduced } else { 1.0 }
 }
 
+/// Returns the opening at which nothing of a bond is left, m, without slip.
+pub(crate) fn opening_at_end(bundle: &RodBundle, number: usize) -> f64 {
+    let b = &bundle.bonds;
+    let (strength, stiffness) = (
+        b.tension_strength[number],
+        BondSpring::intact(bundle, number).opening,
+    );
+    let energy = b.fracture_energy[number];
+    let at_strength = 0.5 * strength * strength / stiffness;
+    energy / (at_strength * onset(energy, at_strength)) * strength / stiffness
+}
+
 /// Returns the least φ at which a bond begins to soften, in whichever mode.
 pub(crate) fn least_onset(bundle: &RodBundle, number: usize) -> f64 {
     let b = &bundle.bonds;

@@ -7,6 +7,7 @@
 //! | `demand` | demand over strength of rods and bonds, and the elements that exceed it |
 //! | `yielding` | yielding of rods in compression |
 //! | `break_place` | where between vertices a rod breaks |
+//! | `crumbs` | pieces of one or two edges, and the bonds that they turn off |
 //! | `breaking` | breaking of elements, with its events |
 
 pub(crate) mod break_place;
@@ -17,6 +18,9 @@ pub(crate) mod cohesion;
 #[cfg(test)]
 mod cohesion_tests;
 pub(crate) mod criteria;
+pub(crate) mod crumbs;
+#[cfg(test)]
+mod crumbs_tests;
 pub(crate) mod demand;
 #[cfg(test)]
 mod tests;

@@ -73,6 +73,8 @@ pub struct Outcome {
 pub struct OutcomePiece {
     /// Its share of the wood's mass.
     pub share: f64,
+    /// Its share of the wood's volume, which differs where earlywood and latewood, or sapwood and heartwood, differ in density.
+    pub volume_share: f64,
 }
 
 /// The wood before anything moved, as far as the outcome needs it.
@@ -163,9 +165,9 @@ impl WoodAtStart {
         let tension_left = cut.as_ref().map(|(whole, cut)| cut.newtons / whole);
         let parted = tension_left.is_some_and(|left| left < PARTED);
         let at_base = cut.filter(|_| parted).map(|(_, cut)| cut.at_base);
-        let mut shares = piece_shares(bundle, at_base.as_deref());
-        shares.sort_by(|a, b| b.total_cmp(a));
-        let large = shares.partition_point(|s| *s >= SPLINTER_SHARE);
+        let mut all = pieces(bundle, at_base.as_deref());
+        all.sort_by(|a, b| b.share.total_cmp(&a.share));
+        let large = all.partition_point(|piece| piece.share >= SPLINTER_SHARE);
         let place = self.place(records.events);
         let spread = place.map_or(0.0, |(_, spread)| spread / self.diameter);
         let mut broken: Vec<u32> = (records.events.iter())
@@ -186,19 +188,16 @@ impl WoodAtStart {
             load_left: load.left(),
             greatest_moment_nm: moment.greatest,
             moment_left: moment.left(),
-            pieces: shares[..large]
-                .iter()
-                .map(|&share| OutcomePiece { share })
-                .collect(),
-            splinters: shares.len() - large,
-            splinter_share: shares[large..].iter().sum(),
+            pieces: all[..large].to_vec(),
+            splinters: all.len() - large,
+            splinter_share: all[large..].iter().map(|piece| piece.share).sum(),
             dissipation_fell_j: largest_fall(records.energies),
         }
     }
 }
 
-/// Returns the shares of mass of the pieces that rods and bonds hold together, but for those that cross the cut.
-fn piece_shares(bundle: &RodBundle, at_base: Option<&[bool]>) -> Vec<f64> {
+/// Returns the pieces that rods and bonds hold together, but for those that cross the cut.
+fn pieces(bundle: &RodBundle, at_base: Option<&[bool]>) -> Vec<OutcomePiece> {
     let mut pieces = Unions::new(bundle.vertices());
     let mut join = |a: usize, b: usize| {
         if at_base.is_none_or(|side| side[a] == side[b]) {
@@ -216,12 +215,24 @@ fn piece_shares(bundle: &RodBundle, at_base: Option<&[bool]>) -> Vec<f64> {
             edge + usize::from(bonds.t[bond] > 0.5),
         );
     }
-    let mut mass = BTreeMap::<u32, f64>::new();
-    for v in 0..bundle.vertices() {
-        *mass.entry(pieces.root(v as u32)).or_default() += bundle.mass[v];
+    // Mass and volume.
+    let mut made = BTreeMap::<u32, [f64; 2]>::new();
+    for rod in 0..bundle.rods() {
+        for v in bundle.rod(rod) {
+            made.entry(pieces.root(v as u32)).or_default()[0] += bundle.mass[v];
+        }
+        for edge in bundle.rod(rod).filter(|&v| bundle.is_edge(v)) {
+            let volume = bundle.area[rod] * bundle.rest_length[edge];
+            made.entry(pieces.root(edge as u32)).or_default()[1] += volume;
+        }
     }
-    let whole: f64 = mass.values().sum();
-    mass.values().map(|m| m / whole).collect()
+    let [mass, volume] = [0, 1].map(|k| made.values().map(|m| m[k]).sum::<f64>());
+    (made.values())
+        .map(|m| OutcomePiece {
+            share: m[0] / mass,
+            volume_share: m[1] / volume,
+        })
+        .collect()
 }
 
 /// A load over time.

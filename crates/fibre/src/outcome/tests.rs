@@ -91,6 +91,35 @@ fn what_is_left_is_what_rods_and_bonds_can_carry() {
 }
 
 #[test]
+fn shares_of_volume_are_those_of_mass_of_even_wood_alone() {
+    // Both rods break at the same place, 3 of 10 edges from their base.
+    let mut world = two_rods();
+    let wood = WoodAtStart::new(&world.bundle, &fractions(), 0.1);
+    // One is twice as dense.
+    for v in world.bundle.rod(1) {
+        world.bundle.mass[v] *= 2.0;
+        world.bundle.edge_mass[v] *= 2.0;
+    }
+    break_rods(&mut world, &[3]);
+    break_rods(&mut world, &[3 + 2 + EDGES as u32]);
+    world.bundle.bonds = Default::default();
+    let parted = outcome(&wood, &world);
+    let volumes: Vec<f64> = parted.pieces.iter().map(|p| p.volume_share).collect();
+    assert!((volumes.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    // Without bonds each part of a rod is a piece: 3 and 7 of 20 edges each, the heaviest first.
+    for (found, expected) in volumes.iter().zip([0.35, 0.35, 0.15, 0.15]) {
+        assert!((found - expected).abs() < 1e-12, "{volumes:?}");
+    }
+    for (piece, expected) in parted.pieces.iter().zip([1.4 / 3.0, 0.7 / 3.0, 0.2, 0.1]) {
+        assert!(
+            (piece.share - expected).abs() < 1e-12,
+            "{:?}",
+            parted.pieces
+        );
+    }
+}
+
+#[test]
 fn what_never_fails_stays_whole() {
     let mut world = two_rods();
     world.bundle.tension_limit.fill(f64::INFINITY);

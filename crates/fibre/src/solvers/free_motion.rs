@@ -28,7 +28,7 @@ impl FreeMotion {
         for &vertex in loads.clamps.iter().flat_map(|clamp| &clamp.vertices) {
             held[part[vertex as usize]] = true;
         }
-        let motion = motion_of_parts(bundle, state, &part);
+        let motion = motion_of_parts(bundle, (&state.position, &state.velocity), &part);
         let mut velocity = Vectors::zeros(bundle.vertices());
         let mut spin = vec![0.0; bundle.vertices()];
         for v in (0..bundle.vertices()).filter(|&v| !held[part[v]]) {

@@ -23,6 +23,7 @@ use crate::bodies::state::ContactsState;
 use crate::contact::Contacts;
 use crate::error::SolverError;
 use crate::failure::breaking::{break_elements, find_softened_bonds};
+use crate::failure::crumbs::find_peeled_bonds;
 use crate::failure::demand::{Overstressed, largest_demand};
 use crate::loads::Loads;
 use crate::reactions::clamp_forces;
@@ -228,6 +229,8 @@ impl Interactive {
                 let (crack, taken) =
                     crack::run(&mut self.explicit, world, contacts, span, context)?;
                 energy += taken;
+                self.queue.clear();
+                self.let_go(world, contacts);
                 step = match crack {
                     Crack::Running => 0.0,
                     Crack::AtRest => STEP_AFTER_CRACK.min(dt),
@@ -236,7 +239,7 @@ impl Interactive {
             }
             let left = end - world.state.time;
             let length = with_rest(step, left);
-            let found = match self.equilibrium(world, contacts, length, context) {
+            let mut found = match self.equilibrium(world, contacts, length, context) {
                 Err(SolverError::NotConverged { .. }) => {
                     patience = STEPS_BEFORE_GROWTH;
                     step = if length > SHORTEST_STEP {
@@ -255,9 +258,13 @@ impl Interactive {
                 continue;
             }
             saved.keep_unbroken(world);
-            let iterations = found.iterations;
+            let (iterations, motion) = (found.iterations, found.unbalanced_motion.take());
             world.unbalanced_work += found.unbalanced_work;
             energy += StepEnergy::accept(world, contacts, &mut self.newton, found, length);
+            if let Some(motion) = motion {
+                let World { bundle, state, .. } = &mut *world;
+                energy.dissipated -= motion.add_impulse(bundle, length, &mut state.velocity);
+            }
             if iterations >= MANY_ITERATIONS {
                 step *= SHRINKAGE;
                 patience = STEPS_BEFORE_GROWTH;
@@ -274,14 +281,19 @@ impl Interactive {
                 };
                 world.onsets.push(onset);
             }
-            // Those hold nothing any more.
-            find_softened_bonds(world, &mut self.queue);
-            if !self.queue.is_empty() {
-                break_elements(world, contacts, &self.queue);
-            }
+            self.let_go(world, contacts);
         }
         world.next_step = Some(step).filter(|s| *s < dt);
         Ok(energy)
+    }
+
+    /// Lets go what is in the queue, and all bonds that hold nothing any more.
+    fn let_go(&mut self, world: &mut World, contacts: &mut dyn Contacts) {
+        find_softened_bonds(world, &mut self.queue);
+        find_peeled_bonds(world, &mut self.queue);
+        if !self.queue.is_empty() {
+            break_elements(world, contacts, &self.queue);
+        }
     }
 
     /// Puts into the queue what lets go at once in an equilibrium. Returns the greatest demand there, or 0 where nothing does.

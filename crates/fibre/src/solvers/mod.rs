@@ -17,6 +17,9 @@ mod balance;
 mod buckling;
 mod crack;
 mod explicit;
+mod free_impulse;
+#[cfg(test)]
+mod free_impulse_tests;
 mod free_motion;
 mod grip;
 mod implicit;

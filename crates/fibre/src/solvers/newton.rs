@@ -4,6 +4,7 @@
 //! [`super::linear`] solves the linear systems.
 
 use super::balance::{Balance, EquilibriumProblem, FINEST_TOLERANCE};
+use super::free_impulse::FreeAcceleration;
 use super::grip::{Grip, ResolvedGrip};
 use super::limit_step::limit_step;
 use super::linear::{DirectSolver, IterativeSolver, LinearProblem};
@@ -49,8 +50,10 @@ pub(super) struct Equilibrium {
     /// Bonds that are softer than before the step, with their damage.
     pub softened: Vec<(u32, f64)>,
     pub iterations: usize,
-    /// Work of the forces that are not balanced in the step, J.
+    /// Work of the forces that are not balanced in the step, J, without those that move free parts as a whole.
     pub unbalanced_work: f64,
+    /// What these would do to free parts.
+    pub unbalanced_motion: Option<FreeAcceleration>,
 }
 
 /// The method, with what it retains between steps.
@@ -133,11 +136,11 @@ struct Iterates {
     previous: State,
 }
 
-/// Work of unbalanced forces in a step, J.
-#[derive(Clone, Copy)]
+/// Work of unbalanced forces in a step, J, without those that move free parts as a whole, and the motion of those.
 struct UnbalancedWork {
     done: f64,
     tolerance: f64,
+    motion: FreeAcceleration,
 }
 
 impl UnbalancedWork {
@@ -344,7 +347,7 @@ impl Newton {
         let mut work = self.unbalanced_work(problem, &iterates.state, before);
         while now.count < at_least
             || now.residual > now.tolerance
-            || work.is_some_and(|w| !w.is_small())
+            || work.as_ref().is_some_and(|w| !w.is_small())
             || pending(&prescribed)
         {
             if now.count >= now.allowed || !now.residual.is_finite() {
@@ -361,8 +364,8 @@ impl Newton {
                 self.newton_step(problem, &iterates.state, &prescribed, update, context)?;
             let search = !pending(&prescribed);
             let ahead = self.balance.slope(&step).abs();
-            let small = |w: UnbalancedWork| w.is_small() && ahead <= AHEAD_RATIO * w.tolerance;
-            if search && now.count >= MIN_WORK_ITERATIONS && work.is_some_and(small) {
+            let small = |w: &UnbalancedWork| w.is_small() && ahead <= AHEAD_RATIO * w.tolerance;
+            if search && now.count >= MIN_WORK_ITERATIONS && work.as_ref().is_some_and(small) {
                 break;
             }
             let last = now.count + 1 >= now.allowed;
@@ -385,7 +388,8 @@ impl Newton {
             springs: std::mem::take(&mut self.balance.springs),
             softened: self.balance.softened.clone(),
             iterations: now.count,
-            unbalanced_work: work.map_or(0.0, |w| w.done),
+            unbalanced_work: work.as_ref().map_or(0.0, |w| w.done),
+            unbalanced_motion: work.map(|w| w.motion),
         })
     }
 
@@ -414,8 +418,10 @@ impl Newton {
                 way[balance.dof(v, 3)] = state.angle[v] - start.angle[v];
             }
         }
+        let motion = FreeAcceleration::new(problem, state, balance);
         let mut work = UnbalancedWork {
-            done: balance.slope(&way),
+            done: balance.slope(&way) - motion.work(bundle, start, state),
+            motion,
             tolerance: self.options.work_tolerance * before,
         };
         if !work.is_small() && residual <= self.options.tolerance * balance.scale {

@@ -25,7 +25,7 @@ pub(super) struct Prediction {
 /// Returns the prediction for `dt` seconds after `state`.
 pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> Prediction {
     let part = connected_parts(bundle);
-    let parts = motion_of_parts(bundle, state, &part);
+    let parts = motion_of_parts(bundle, (&state.position, &state.velocity), &part);
     // Implicit Euler turns a rigid body by the angle whose tangent is ω dt.
     let turn = |p: &RigidPart| {
         let axis = p.angular_velocity.normalize_or_zero();

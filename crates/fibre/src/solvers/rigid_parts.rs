@@ -1,7 +1,7 @@
 //! How the connected parts of a bundle move as rigid bodies.
 
 use crate::rod_bundle::RodBundle;
-use crate::state::State;
+use crate::vectors::Vectors;
 use glam::{DMat3, DVec3};
 
 /// What is added to the moments of inertia of a part, as a fraction of their sum: a straight rod has none about itself.
@@ -48,14 +48,18 @@ impl RigidPart {
 }
 
 /// Returns the motion of each part, by the number of its first vertex.
-pub(super) fn motion_of_parts(bundle: &RodBundle, state: &State, part: &[usize]) -> Vec<RigidPart> {
+pub(super) fn motion_of_parts(
+    bundle: &RodBundle,
+    (position, velocity): (&Vectors, &Vectors),
+    part: &[usize],
+) -> Vec<RigidPart> {
     let n = bundle.vertices();
     let mut parts = vec![RigidPart::ZERO; n];
     for v in 0..n {
         let p = &mut parts[part[v]];
         p.mass += bundle.mass[v];
-        p.centre += state.position.get(v) * bundle.mass[v];
-        p.velocity += state.velocity.get(v) * bundle.mass[v];
+        p.centre += position.get(v) * bundle.mass[v];
+        p.velocity += velocity.get(v) * bundle.mass[v];
     }
     for p in parts.iter_mut().filter(|p| p.mass > 0.0) {
         p.centre /= p.mass;
@@ -64,8 +68,8 @@ pub(super) fn motion_of_parts(bundle: &RodBundle, state: &State, part: &[usize])
     }
     for v in 0..n {
         let p = &mut parts[part[v]];
-        let arm = state.position.get(v) - p.centre;
-        let momentum = (state.velocity.get(v) - p.velocity) * bundle.mass[v];
+        let arm = position.get(v) - p.centre;
+        let momentum = (velocity.get(v) - p.velocity) * bundle.mass[v];
         p.angular_momentum += arm.cross(momentum);
         let along = DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
         p.inertia +=
@@ -83,7 +87,7 @@ pub(super) fn motion_of_parts(bundle: &RodBundle, state: &State, part: &[usize])
     }
     for v in 0..n {
         let p = &mut parts[part[v]];
-        let own = p.own_velocity(state.position.get(v), state.velocity.get(v));
+        let own = p.own_velocity(position.get(v), velocity.get(v));
         p.fastest = p.fastest.max(own.length());
     }
     parts

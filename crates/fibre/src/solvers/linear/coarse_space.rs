@@ -272,8 +272,11 @@ impl CoarseSpace {
         }
     }
 
-    /// Replaces forces on pieces by the displacement that they cause, and returns their work along it.
+    /// Replaces forces on pieces by the displacement that they cause, and returns their work along it: 0 without a factor.
     pub fn solve(&self, sums: &mut [PieceVector]) -> f64 {
+        if !self.ready {
+            return 0.0;
+        }
         let force =
             |m: &PieceVector| -> [f64; PIECE_DOFS] { std::array::from_fn(|f| m[f / 3][f % 3]) };
         let forces: Vec<f64> = sums.iter().flat_map(force).collect();
