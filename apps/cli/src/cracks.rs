@@ -156,6 +156,9 @@ fn report(measured: &MeasuredCracks, diameter: Option<f64>) -> String {
             100.0 * c.residual
         );
     }
+    if measured.texture_lines > 0 {
+        let _ = writeln!(text, "texture  {}", texture(measured));
+    }
     for (name, g) in ["large", "medium", "small"].iter().zip(&measured.groups) {
         let _ = writeln!(
             text,
@@ -172,4 +175,22 @@ fn report(measured: &MeasuredCracks, diameter: Option<f64>) -> String {
         );
     }
     text
+}
+
+/// What is said of dark lines that are no cracks.
+fn texture(measured: &MeasuredCracks) -> String {
+    let lines = match measured.texture_lines {
+        1 => "1 dark line along the radius was".to_owned(),
+        n => format!("{n} dark lines along the radius were"),
+    };
+    let left_out = format!(
+        "{lines} left out as rays, cells, grain or dirt: broken, crooked, short or of uneven width"
+    );
+    match (measured.is_texture, measured.cracks.is_empty()) {
+        (false, _) => left_out,
+        (true, true) => format!("{left_out}; the photograph shows texture, and no crack"),
+        (true, false) => format!(
+            "{left_out}; they are longer than the cracks taken together, of which only those count that open more"
+        ),
+    }
 }

@@ -10,6 +10,7 @@ mod error;
 mod fit;
 mod groups;
 mod section;
+mod texture;
 mod trace;
 mod unrolled;
 
@@ -32,9 +33,14 @@ pub struct MeasuredCracks {
     pub cracks: Vec<MeasuredCrack>,
     /// Statistics of the radial ones by size, the largest first.
     pub groups: Vec<CrackStatistics>,
+    /// Number of dark lines along the radius that are no cracks: rays, rows of cells, grain or dirt.
+    pub texture_lines: usize,
+    /// Whether these are longer, taken together, than the cracks: the photograph shows texture, and of the cracks only those
+    /// count that open more than any of these lines.
+    pub is_texture: bool,
 }
 
-/// Cracks shorter than this are grain and dirt, radii.
+/// Cracks along a ring shorter than this are grain and dirt, radii.
 const MIN_LENGTH: f64 = 0.05;
 
 /// Measures the cracks of a section in a photograph.
@@ -46,11 +52,20 @@ pub fn measure_cracks(
     section: &PhotographedSection,
 ) -> Result<MeasuredCracks, MeasureError> {
     let unrolled = unrolled::Unrolled::new(photograph, section)?;
-    let mut cracks: Vec<MeasuredCrack> = trace::traces(&unrolled)
-        .iter()
-        .filter_map(|trace| fit::fit(trace, &unrolled))
-        .filter(|crack| crack.length() >= MIN_LENGTH)
-        .collect();
+    let mut radial = Vec::new();
+    let mut cracks = Vec::new();
+    for trace in trace::traces(&unrolled) {
+        let Some(crack) = fit::fit(&trace, &unrolled) else {
+            continue;
+        };
+        if !trace.along_ring {
+            radial.push((trace, crack));
+        } else if crack.length() >= MIN_LENGTH.max(texture::MIN_SLENDERNESS * crack.width) {
+            cracks.push(crack);
+        }
+    }
+    let sorted = texture::sort(radial);
+    cracks.extend(sorted.cracks);
     let along_ring = |c: &MeasuredCrack| c.kind == CrackKind::Tangential;
     cracks.sort_by(|a, b| {
         along_ring(a)
@@ -61,6 +76,8 @@ pub fn measure_cracks(
         groups: groups::groups(&cracks),
         section: section.clone(),
         cracks,
+        texture_lines: sorted.others,
+        is_texture: sorted.is_texture,
     })
 }
 

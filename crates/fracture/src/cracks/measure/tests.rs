@@ -12,6 +12,15 @@ const SHRINKAGE: (f64, f64) = (0.06, 0.03);
 
 /// Paints a section with rings, grain and the openings of `plan` on a grey background, each pixel from four points.
 fn painted(plan: &CrackPlan, pith: [f64; 2]) -> SectionPhotograph {
+    painted_with(plan, pith, |_, _| 1.0)
+}
+
+/// The same with wood whose brightness is multiplied by `shade` of the distance from the pith in radii and the direction in rad.
+fn painted_with(
+    plan: &CrackPlan,
+    pith: [f64; 2],
+    shade: impl Fn(f64, f64) -> f64,
+) -> SectionPhotograph {
     let cracks: Vec<(Vec<[f64; 3]>, [f64; 4])> = (plan.cracks.iter().map(course))
         .map(|c| {
             let bounds = c
@@ -42,7 +51,8 @@ fn painted(plan: &CrackPlan, pith: [f64; 2]) -> SectionPhotograph {
         }
         let ring = 1.0 - 0.35 * (r * 9.0).fract();
         let bark = if r > 0.95 { 0.4 } else { 1.0 };
-        [0.55, 0.38, 0.22].map(|c| c * ring * bark)
+        let shade = shade(r, dy.atan2(dx));
+        [0.55, 0.38, 0.22].map(|c| c * ring * bark * shade)
     };
     let pixel = |i: usize| {
         let (x, y) = ((i % SIDE) as f64, (i / SIDE) as f64);
@@ -202,4 +212,44 @@ fn what_is_no_section_is_refused() {
     // Sound wood has no cracks.
     let sound = measured(&painted(&CrackPlan::default(), [180.0, 180.0]));
     assert!(sound.cracks.is_empty(), "{:?}", sound.cracks);
+}
+
+/// Brightness of 120 rays as wide as a pixel and a half, darker and lighter from cell to cell.
+fn rays(r: f64, phi: f64) -> f64 {
+    let place = (phi / std::f64::consts::TAU + 0.5) * 120.0;
+    let ray = place.floor();
+    let off = (place - ray - 0.5) / 120.0 * std::f64::consts::TAU * r;
+    let cell = noise::unit(7, ray as i64, (r * 40.0) as i64, 0);
+    if off.abs() * RADIUS < 0.75 && r < 0.93 {
+        0.85 - 0.4 * cell
+    } else {
+        1.0
+    }
+}
+
+#[test]
+fn rays_are_no_cracks_and_hide_none_that_opens_more() {
+    let pith = [178.3, 181.9];
+    let none = measured(&painted_with(&CrackPlan::default(), pith, rays));
+    assert!(none.cracks.is_empty(), "{:?}", none.cracks);
+    assert!(none.is_texture && none.texture_lines > 20, "{none:?}");
+    let drawn = plan(&cracks_of("fig20b"), SHRINKAGE, 1);
+    let found = measured(&painted_with(&drawn, pith, rays));
+    let radial = |m: &CrackPlan| {
+        m.cracks
+            .iter()
+            .filter(|c| c.kind == CrackKind::Radial)
+            .count()
+    };
+    let of_found = found.cracks.iter().filter(|c| c.kind == CrackKind::Radial);
+    assert_eq!(of_found.count(), radial(&drawn), "{:?}", found.cracks);
+    for crack in drawn.cracks.iter().filter(|c| c.kind == CrackKind::Radial) {
+        let angle = crack.course[crack.course.len() / 2].1.to_degrees();
+        let nearest = found.cracks.iter().map(|c| angle_between(c.angle, angle));
+        assert!(
+            nearest.fold(360.0, f64::min) < 2.0,
+            "{angle}: {:?}",
+            found.cracks
+        );
+    }
 }

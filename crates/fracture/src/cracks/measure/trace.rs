@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 /// Darkness from which on a place belongs to a crack, and which one of its places has at least.
 const DARK: f32 = 0.22;
-const DARKEST: f32 = 0.4;
+pub(super) const DARKEST: f32 = 0.4;
 /// The same for cracks along rings, which latewood that wanders off its ring must not look like.
 const DARK_RING: f32 = 0.35;
 const DARKEST_RING: f32 = 0.6;
@@ -19,6 +19,8 @@ const MAX_GAP: f64 = 0.03;
 const MAX_STEP: f64 = 0.02;
 /// Ring coordinates by which the parts of a crack along a ring may lie apart.
 const RING_SPREAD: f64 = 0.03;
+/// Least number of rows beside a crack along a ring that it is compared with.
+const MIN_SIDE_ROWS: usize = 4;
 /// Share of its length by which a crack along a ring is looked at beyond what is surely a crack.
 const MARGIN_ALONG: f64 = 0.8;
 
@@ -31,6 +33,8 @@ pub(super) struct TracePoint {
     pub phi: f64,
     /// Darkness summed up across the crack, radii.
     pub sum: f64,
+    /// Darkness of the darkest place across it.
+    pub darkest: f32,
 }
 
 /// A crack as a line of places.
@@ -89,6 +93,7 @@ pub(super) fn traces(unrolled: &Unrolled) -> Vec<Trace> {
                     rho,
                     phi: at.phi + wrap_angle(runs[i].phi - at.phi),
                     sum: runs[i].sum,
+                    darkest: runs[i].darkest,
                 });
             }
         }
@@ -103,6 +108,7 @@ pub(super) fn traces(unrolled: &Unrolled) -> Vec<Trace> {
                 rho,
                 phi: run.phi,
                 sum: run.sum,
+                darkest: run.darkest,
             }],
             along_ring: false,
             darkest: run.darkest,
@@ -210,6 +216,10 @@ fn along_ring(unrolled: &Unrolled, part: &[(usize, (usize, usize))]) -> Option<T
         .for_each(|c| covered[c % columns] = true);
     let start = (0..columns).find(|&c| covered[c] && !covered[(c + columns - 1) % columns])?;
     let length = covered.iter().filter(|c| **c).count();
+    let columns_of_part: Vec<usize> = (0..columns).filter(|&c| covered[c]).collect();
+    if !has_two_sides(unrolled, (low, high), &columns_of_part) {
+        return None;
+    }
     // Thin ends are lost among the grain; places beyond them tell how dark that is, and where the crack has ended.
     let beyond = ((MARGIN_ALONG * length as f64) as usize).min((columns - length) / 2);
     let mut darkest = 0.0f32;
@@ -217,27 +227,32 @@ fn along_ring(unrolled: &Unrolled, part: &[(usize, (usize, usize))]) -> Option<T
     let (mut moment, mut weight) = (0.0, 0.0);
     for k in 0..length + 2 * beyond {
         let column = start + columns + k - beyond;
-        let mut sum = 0.0;
+        let (mut sum, mut across) = (0.0, 0.0f32);
         for row in low..=high {
             let value = unrolled.at(row, column, true);
             sum += f64::from(value);
+            across = across.max(value);
             if (beyond..beyond + length).contains(&k) {
                 darkest = darkest.max(value);
                 moment += f64::from(value) * unrolled.rho(row);
                 weight += f64::from(value);
             }
         }
-        sums.push(sum);
+        sums.push((sum, across));
     }
     let outside = sums[..beyond / 2]
         .iter()
         .chain(&sums[length + 2 * beyond - beyond / 2..]);
-    let grain = outside.sum::<f64>() / (2 * (beyond / 2)).max(1) as f64;
-    let points = sums.iter().enumerate().map(|(k, sum)| TracePoint {
-        rho: moment / weight,
-        phi: (start as f64 + k as f64 - beyond as f64) / columns as f64 * TAU,
-        sum: (sum - grain) / unrolled.rows as f64,
-    });
+    let grain = outside.map(|s| s.0).sum::<f64>() / (2 * (beyond / 2)).max(1) as f64;
+    let points = sums
+        .iter()
+        .enumerate()
+        .map(|(k, (sum, across))| TracePoint {
+            rho: moment / weight,
+            phi: (start as f64 + k as f64 - beyond as f64) / columns as f64 * TAU,
+            sum: (sum - grain) / unrolled.rows as f64,
+            darkest: *across,
+        });
     let points: Vec<TracePoint> = points.collect();
     Some(Trace {
         seen: (beyond, beyond + length - 1),
@@ -246,4 +261,24 @@ fn along_ring(unrolled: &Unrolled, part: &[(usize, (usize, usize))]) -> Option<T
         darkest,
         at_bark: false,
     })
+}
+
+/// Returns whether what lies within and beyond a dark band of rows is lighter than the darkest place between, over most of its
+/// columns: bark is as dark as the rim of the wood is, and no crack.
+fn has_two_sides(unrolled: &Unrolled, (low, high): (usize, usize), columns: &[usize]) -> bool {
+    let reach = (high - low + 1).max(MIN_SIDE_ROWS);
+    let bright = |row: usize, column: usize| unrolled.brightness[row * unrolled.columns + column];
+    let lightest = |rows: std::ops::Range<usize>, column: usize| {
+        rows.map(|row| bright(row, column)).fold(0.0, f32::max)
+    };
+    let beyond = (high + 1)..(high + 1 + reach).min(unrolled.rows);
+    let within = low.saturating_sub(reach)..low;
+    let is_crack = |column: &&usize| {
+        let darkest = (low..=high)
+            .map(|row| bright(row, **column))
+            .fold(f32::INFINITY, f32::min);
+        let sides = [beyond.clone(), within.clone()].map(|rows| lightest(rows, **column));
+        darkest < (1.0 - DARK_RING) * sides[0].min(sides[1])
+    };
+    2 * columns.iter().filter(is_crack).count() > columns.len()
 }

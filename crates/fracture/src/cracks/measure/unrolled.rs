@@ -24,6 +24,8 @@ pub(super) struct Unrolled {
     pub darkness: Vec<f32>,
     /// 0 for as bright as the whole ring, 1 for black: a crack along a ring fills its neighbourhood there.
     pub ring_darkness: Vec<f32>,
+    /// Linear brightness.
+    pub brightness: Vec<f32>,
 }
 
 impl Unrolled {
@@ -41,6 +43,7 @@ impl Unrolled {
         let columns = radii.len();
         let mut darkness = Vec::with_capacity(rows * columns);
         let mut ring_darkness = Vec::with_capacity(rows * columns);
+        let mut all_brightness = Vec::with_capacity(rows * columns);
         for row in 0..rows {
             let rho = (row as f64 + 0.5) / rows as f64;
             let brightness: Vec<f32> = (radii.iter().enumerate())
@@ -59,12 +62,14 @@ impl Unrolled {
             let mut sorted = brightness.clone();
             let whole = *sorted.select_nth_unstable_by(columns / 2, f32::total_cmp).1;
             ring_darkness.extend(brightness.iter().map(|&b| dark(b, whole)));
+            all_brightness.extend(brightness);
         }
         Ok(Unrolled {
             rows,
             columns,
             darkness,
             ring_darkness,
+            brightness: all_brightness,
         })
     }
 
