@@ -107,7 +107,7 @@ fn log(
     to: f64,
     relative_error: &dyn Fn(f64) -> Option<f64>,
 ) -> Log {
-    let ends = [from, to].map(|length| profile.area(length, Part::OverBark));
+    let ends = [from, to].map(|length| profile.end_area(length, Part::OverBark));
     let [lower, upper] = ends.map(|area| 2.0 * (area / PI).sqrt());
     let half = 0.5 * (to - from);
     let volume = |part| profile.volume(to, part) - profile.volume(from, part);

@@ -13,6 +13,8 @@ pub(super) struct StemProfile {
     step: f64,
     /// Of each [`Part`].
     parts: [PartProfile; 3],
+    /// Between which lengths (m) sections are whole, not cut by a slanted or torn end.
+    whole: (f64, f64),
 }
 
 /// A part of the sections.
@@ -72,13 +74,16 @@ impl StemProfile {
             })
             .collect::<Result<_, Cancelled>>()?;
         let part = |k: usize| areas.iter().map(|a| a[k]).collect();
-        Ok(StemProfile::from_areas(step, [part(0), part(1), part(2)]))
+        let mut profile = StemProfile::from_areas(step, [part(0), part(1), part(2)]);
+        profile.whole = sections.whole;
+        Ok(profile)
     }
 
     /// The profile of slices of the thickness `step` (m) with these areas of each part, m².
     pub fn from_areas(step: f64, areas: [Vec<f64>; 3]) -> Self {
         StemProfile {
             step,
+            whole: (0.0, step * areas[0].len() as f64),
             parts: areas.map(|areas| PartProfile {
                 below: volumes_below(&areas, step),
                 areas,
@@ -113,6 +118,13 @@ impl StemProfile {
         root * root
     }
 
+    /// Area of a part at the end of a log at a length (m), m²: where an end of the stem cuts the section off, that of the nearest
+    /// whole one.
+    pub fn end_area(&self, length: f64, part: Part) -> f64 {
+        let (low, high) = self.whole;
+        self.area(length.max(low).min(high), part)
+    }
+
     /// The greatest length at which the diameter over bark is at least `diameter`, m; `None` where it nowhere is.
     pub fn length_to_diameter(&self, diameter: f64) -> Option<f64> {
         let areas = self.parts[Part::OverBark as usize].areas.iter();
@@ -142,6 +154,18 @@ fn volumes_below(areas: &[f64], step: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_log_ends_with_a_whole_section_where_the_stem_ends_in_a_slant() {
+        let mut areas = vec![2.0; 100];
+        (areas[0], areas[99]) = (0.4, 0.1);
+        let mut profile = StemProfile::from_areas(0.1, [areas.clone(), areas.clone(), areas]);
+        assert!(profile.end_area(0.0, Part::OverBark) < 0.5);
+        profile.whole = (0.2, 9.8);
+        for length in [0.0, 0.2, 5.0, 9.9, 10.0] {
+            assert!((profile.end_area(length, Part::OverBark) - 2.0).abs() < 1e-12);
+        }
+    }
 
     /// A cone of 10 m with a butt of 0.2 m radius, whose wood has 0.9 of the radius.
     fn cone() -> StemProfile {
