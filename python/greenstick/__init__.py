@@ -35,6 +35,7 @@ from greenstick._native import (
     simulate,
     species,
 )
+from greenstick._sweeps import Sweep, sweep
 from greenstick.errors import Cancelled, GreenstickError
 
 __all__ = [
@@ -56,6 +57,7 @@ __all__ = [
     "Session",
     "Skin",
     "Species",
+    "Sweep",
     "Voxels",
     "__version__",
     "anatomy",
@@ -67,4 +69,5 @@ __all__ = [
     "rings",
     "simulate",
     "species",
+    "sweep",
 ]

@@ -50,6 +50,8 @@ class RequestKeys(TypedDict, total=False):
     draft: bool
     view: str | float | None
     close_up: float | str | None
+    depth_of_field: float | str
+    coin: bool
     diameter: float | str
     rings: int | str
     sectors: int | str
@@ -68,6 +70,7 @@ class RequestKeys(TypedDict, total=False):
     slab_height: float | str
     sliver_height: float | str
     fibre_height: float | str
+    fuzz: float | str
     step_height: float | str
     split: float | str
     compression_shelf: float | str
@@ -158,7 +161,7 @@ class RequestAttributes:
     def pith(self, value: str | float | None) -> None: ...
     @property
     def kind(self) -> Literal["round", "board", "dowel", "pole"] | None:
-        """What the stem is; 'auto' tells boards from round stems by their section, and takes round ones to have bark."""
+        """What the stem is; 'auto' tells boards from round stems by their section. A round one has bark, unless it is straight, of one thickness and without a texture: then it is a dowel, or a pole where it is thicker than 6 cm."""
     @kind.setter
     def kind(self, value: Literal["round", "board", "dowel", "pole"] | None) -> None: ...
     @property
@@ -287,6 +290,16 @@ class RequestAttributes:
     @close_up.setter
     def close_up(self, value: float | str | None) -> None: ...
     @property
+    def depth_of_field(self) -> float:
+        """How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near. Unit: one."""
+    @depth_of_field.setter
+    def depth_of_field(self, value: float | str) -> None: ...
+    @property
+    def coin(self) -> bool:
+        """Lays a coin of one euro, 23 mm wide, in front of the wood, for scale."""
+    @coin.setter
+    def coin(self, value: bool) -> None: ...
+    @property
     def diameter(self) -> float:
         """The diameter that noise is laid out for, in cm as in Table 2. The stem's own size comes from its mesh: with 1 here the pattern on any stem is that of a branch of 1 cm; with 0 it is laid out in true metres on the stem as it is. A branch made from nothing has this diameter. Unit: centimetre."""
     @diameter.setter
@@ -377,6 +390,11 @@ class RequestAttributes:
     @fibre_height.setter
     def fibre_height(self, value: float | str) -> None: ...
     @property
+    def fuzz(self) -> float:
+        """Strands of torn fibre on the broken face, along the sides of its splinters and on their edges: 0 none, 1 as many as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out. Unit: fraction."""
+    @fuzz.setter
+    def fuzz(self, value: float | str) -> None: ...
+    @property
     def step_height(self) -> float:
         """Height of the steps between neighbouring rings where the wood breaks brittle. The shear-lag length of the species over the radius is its natural value. Unit: radius."""
     @step_height.setter
@@ -447,21 +465,21 @@ class RequestAttributes:
     ]) -> Literal["smooth", "fibrous"]: ...
     @overload
     def __getitem__(self, key: Literal[
-        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "draft",
+        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "draft", "coin",
     ]) -> bool: ...
     @overload
     def __getitem__(self, key: Literal[
-        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "diameter", "inclination",
-        "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion", "thorn_shaft",
-        "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "step_height", "split",
-        "compression_shelf", "compression_height", "bark_offset", "bark_height", "hang", "spiral_angle",
-        "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude", "pith.thorn_length",
-        "pith.thorn_probability", "heartwood.perlin_amplitude", "heartwood.perlin_frequency",
-        "heartwood.white_noise_amplitude", "heartwood.thorn_length", "heartwood.thorn_probability",
-        "sapwood.perlin_amplitude", "sapwood.perlin_frequency", "sapwood.white_noise_amplitude",
-        "sapwood.thorn_length", "sapwood.thorn_probability", "phloem.perlin_amplitude",
-        "phloem.perlin_frequency", "phloem.white_noise_amplitude", "phloem.thorn_length",
-        "phloem.thorn_probability", "bark.perlin_amplitude", "bark.perlin_frequency",
+        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
+        "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
+        "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
+        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
+        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
+        "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
+        "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
+        "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
+        "sapwood.white_noise_amplitude", "sapwood.thorn_length", "sapwood.thorn_probability",
+        "phloem.perlin_amplitude", "phloem.perlin_frequency", "phloem.white_noise_amplitude",
+        "phloem.thorn_length", "phloem.thorn_probability", "bark.perlin_amplitude", "bark.perlin_frequency",
         "bark.white_noise_amplitude", "bark.thorn_length", "bark.thorn_probability", "high.height",
         "high.direction", "high.angle", "high.rings", "low.height", "low.direction", "low.angle", "low.rings",
         "ductile.thorn_length", "ductile.thorn_probability", "ductile.direction", "ductile.angle",
@@ -544,21 +562,21 @@ class RequestAttributes:
     ], value: Literal["smooth", "fibrous"]) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "draft",
+        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "draft", "coin",
     ], value: bool) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "diameter", "inclination",
-        "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion", "thorn_shaft",
-        "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "step_height", "split",
-        "compression_shelf", "compression_height", "bark_offset", "bark_height", "hang", "spiral_angle",
-        "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude", "pith.thorn_length",
-        "pith.thorn_probability", "heartwood.perlin_amplitude", "heartwood.perlin_frequency",
-        "heartwood.white_noise_amplitude", "heartwood.thorn_length", "heartwood.thorn_probability",
-        "sapwood.perlin_amplitude", "sapwood.perlin_frequency", "sapwood.white_noise_amplitude",
-        "sapwood.thorn_length", "sapwood.thorn_probability", "phloem.perlin_amplitude",
-        "phloem.perlin_frequency", "phloem.white_noise_amplitude", "phloem.thorn_length",
-        "phloem.thorn_probability", "bark.perlin_amplitude", "bark.perlin_frequency",
+        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
+        "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
+        "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
+        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
+        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
+        "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
+        "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
+        "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
+        "sapwood.white_noise_amplitude", "sapwood.thorn_length", "sapwood.thorn_probability",
+        "phloem.perlin_amplitude", "phloem.perlin_frequency", "phloem.white_noise_amplitude",
+        "phloem.thorn_length", "phloem.thorn_probability", "bark.perlin_amplitude", "bark.perlin_frequency",
         "bark.white_noise_amplitude", "bark.thorn_length", "bark.thorn_probability", "high.height",
         "high.direction", "high.angle", "high.rings", "low.height", "low.direction", "low.angle", "low.rings",
         "ductile.thorn_length", "ductile.thorn_probability", "ductile.direction", "ductile.angle",

@@ -74,6 +74,10 @@ class SimulateError(GreenstickError):
     """A scene cannot be simulated."""
 
 
+class SweepError(GreenstickError):
+    """A sweep cannot be begun or go on."""
+
+
 class FilmError(GreenstickError):
     """No skin or film can be made of a run."""
 

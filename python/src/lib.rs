@@ -18,6 +18,7 @@ mod scene;
 mod session;
 mod simulation;
 mod species;
+mod sweeps;
 mod values;
 mod work;
 
@@ -49,10 +50,13 @@ mod _native {
     use super::simulation::{Frame, Run, simulate};
     #[pymodule_export]
     use super::species::{Species, species};
+    #[pymodule_export]
+    use super::sweeps::{_Shown, _sweep, _sweep_count, _sweep_text};
     use super::*;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("_MANY_VARIANTS", super::sweeps::MANY)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

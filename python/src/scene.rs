@@ -38,17 +38,21 @@ pub struct Node {
     /// The index of the node that carries this one, if any.
     #[pyo3(get)]
     parent: Option<usize>,
+    /// Whether it only adds to the looks of another node: files that hold one mesh leave it out.
+    #[pyo3(get)]
+    is_detail: bool,
 }
 
 #[pymethods]
 impl Node {
     #[new]
-    #[pyo3(signature = (name, mesh, transform=None, parent=None))]
+    #[pyo3(signature = (name, mesh, transform=None, parent=None, is_detail=false))]
     fn new(
         name: String,
         mesh: Py<Mesh>,
         transform: Option<&Bound<'_, PyAny>>,
         parent: Option<usize>,
+        is_detail: bool,
     ) -> PyResult<Self> {
         let transform = transform.map_or(Ok(DAffine3::IDENTITY), affine)?;
         Ok(Node {
@@ -56,6 +60,7 @@ impl Node {
             mesh,
             transform,
             parent,
+            is_detail,
         })
     }
 
@@ -89,13 +94,20 @@ impl Node {
             node.mesh.clone_ref(slf.py()),
             node.transform(slf.py())?,
             node.parent,
+            node.is_detail,
         );
         Ok((slf.get_type().into_any(), parts))
     }
 }
 
 /// What a pickle of a node holds.
-type NodeParts<'py> = (String, Py<Mesh>, Bound<'py, PyArray2<f64>>, Option<usize>);
+type NodeParts<'py> = (
+    String,
+    Py<Mesh>,
+    Bound<'py, PyArray2<f64>>,
+    Option<usize>,
+    bool,
+);
 
 /// Reads a transform.
 fn affine(given: &Bound<'_, PyAny>) -> PyResult<DAffine3> {
@@ -257,6 +269,7 @@ impl Scene {
                 mesh,
                 transform: node.transform,
                 parent: node.parent,
+                is_detail: node.is_detail,
             });
         }
         Ok(nodes)
@@ -397,6 +410,7 @@ type SceneParts<'py> = (Vec<Node>, Bound<'py, PyBytes>, Option<PathBuf>);
 fn placed(node: &Node) -> Placed {
     Placed {
         parent: node.parent,
+        is_detail: node.is_detail,
         ..Placed::new(
             node.name.clone(),
             node.transform,

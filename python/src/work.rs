@@ -53,6 +53,19 @@ impl Shown {
             .into()),
         }
     }
+
+    /// Tells how much of the whole is done, 0 to 1.
+    pub fn show(&self, py: Python<'_>, stage: &str, fraction: f64) -> PyResult<()> {
+        self.call.call1(py, (stage, fraction)).map(drop)
+    }
+
+    /// Leaves a bar as it is.
+    pub fn close(&self, py: Python<'_>) -> PyResult<()> {
+        match &self.close {
+            Some(close) => close.call0(py).map(drop),
+            None => Ok(()),
+        }
+    }
 }
 
 /// Runs `work` without the interpreter's lock. Ctrl-C, and whatever `progress` raises, cancel it; the exception is then that
@@ -115,8 +128,8 @@ pub fn run_with_messages<T: Send, M: Send>(
             }
         })
     });
-    if let Some(close) = shown.and_then(|s| s.close) {
-        close.call0(py)?;
+    if let Some(shown) = shown {
+        shown.close(py)?;
     }
     outcome
 }
@@ -165,8 +178,7 @@ impl Watch<'_> {
         };
         let latest = self.latest.lock().unwrap_or_else(|e| e.into_inner()).take();
         if let Some(progress) = latest {
-            let fraction = progress.overall;
-            shown.call.call1(py, (progress.stage.name(), fraction))?;
+            shown.show(py, progress.stage.name(), progress.overall)?;
         }
         Ok(())
     }

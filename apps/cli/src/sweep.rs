@@ -1,4 +1,4 @@
-//! `greenstick sweep`: the threads, the clock, and what is said of a sweep.
+//! `greenstick sweep`: how many threads make a sweep, and what is said of it.
 
 use crate::arguments::SweepOptions;
 use crate::failure::{Failure, print};
@@ -6,30 +6,18 @@ use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use greenstick::files;
 use greenstick::formats::Encoded;
-use greenstick::geometry::Context;
 use greenstick::schema::{Parameters, markdown_tables};
 use greenstick_sweep::job::{SWEEP_FILE, TEMPLATE_FILE, template};
-use greenstick_sweep::journal::{Done, Journal, Record};
-use greenstick_sweep::sheet::write_sheet;
-use greenstick_sweep::table::{TABLE_FILE, write_table};
 use greenstick_sweep::variant::BendFile;
-use greenstick_sweep::worker::remove_leftovers;
-use greenstick_sweep::{Part, Sweep, SweepError, SweepSettings, Variant, Worker};
+use greenstick_sweep::{Run, Sweep, SweepError, SweepSettings, Variant};
 use serde::Serialize;
 use std::io::{BufRead, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread;
-use std::time::{Duration, Instant};
 
 /// Variants above which the user is asked first: about an hour of work, or a folder that is a nuisance to delete.
 const MANY: u64 = 10_000;
-/// How often Ctrl-C is looked for while variants are made.
-const INTERVAL: Duration = Duration::from_millis(100);
-/// Records that wait for the journal, at most.
-const WAITING: usize = 256;
 
 /// What came of a run.
 #[derive(Serialize)]
@@ -69,25 +57,22 @@ pub fn run(options: &SweepOptions) -> Result<ExitCode, Failure> {
             Failure::request("no folder is named for the results").hint("such as -o variants")
         );
     };
-    let wanted = options
-        .part
-        .map_or(sweep.count(), |part| part.count(sweep.count()));
-    if wanted > MANY && !options.yes {
-        confirm(wanted, folder)?;
-    }
-    let mut journal = open(folder, &sweep, options.part)?;
-    let found = journal.done().count();
-    let progress = Progress::start(options.reporting.quiet);
-    let [work, write] = progress.split([("variants", 100.0), ("table", 1.0)]);
-    let threads = threads(options);
-    let what = What {
+    let run = Run {
         sweep: &sweep,
         folder,
         part: options.part,
-        wanted,
+        threads: threads(options),
+        alone: &in_one_thread,
     };
-    let made = make(&what, &mut journal, threads, &work);
-    let stopped = made.err();
+    let wanted = run.wanted();
+    if wanted > MANY && !options.yes {
+        confirm(wanted, folder)?;
+    }
+    let mut journal = run.journal()?;
+    let found = journal.done().count();
+    let progress = Progress::start(options.reporting.quiet);
+    let [work, write] = progress.split([("variants", 100.0), ("table", 1.0)]);
+    let stopped = run.make(&mut journal, &work).err();
     let stop = |error: SweepError| {
         let left = wanted - journal.done().count();
         Failure::from(error).or_cancelled(format!(
@@ -97,37 +82,25 @@ pub fn run(options: &SweepOptions) -> Result<ExitCode, Failure> {
     if let Some(error) = stopped {
         return Err(stop(error));
     }
-    let (mut table, mut sheet) = (None, None);
-    if options.part.is_none() {
-        write_table(&sweep, &journal, folder, &write).map_err(stop)?;
-        table = Some(folder.join(TABLE_FILE).display().to_string());
-        sheet = write_sheet(&sweep, folder)?.map(|path| path.display().to_string());
-    }
+    let overview = match options.part {
+        None => Some(run.overview(&journal, &write).map_err(stop)?),
+        Some(_) => None,
+    };
+    let (table, sheet) = overview.map_or((None, None), |o| (Some(o.table), o.sheet));
+    let name = |path: Option<PathBuf>| path.map(|path| path.display().to_string());
     let report = Report {
         variants: wanted,
         found,
         made: journal.done().count() - found,
         failed: journal.failed(),
-        table,
-        sheet,
+        table: name(table),
+        sheet: name(sheet),
         stages: progress.finish(),
     };
     if options.reporting.prints_report() {
         print(&format_report(&report, options.reporting.json)?)?;
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Opens the journal of a sweep, which takes over what parts have made, or of a part.
-fn open(folder: &Path, sweep: &Sweep, part: Option<Part>) -> Result<Journal, SweepError> {
-    if let Some(part) = part {
-        // Files that are not renamed yet may be those of other parts.
-        return Journal::open_part(folder, sweep, part);
-    }
-    let mut journal = Journal::open(folder, sweep)?;
-    journal.take_parts(folder, sweep)?;
-    remove_leftovers(folder);
-    Ok(journal)
 }
 
 /// Writes a job into a folder: its template and the sweep.
@@ -226,99 +199,11 @@ fn threads(options: &SweepOptions) -> usize {
         .map_or_else(available, usize::from)
 }
 
-/// What is made, and where.
-struct What<'a> {
-    sweep: &'a Sweep,
-    folder: &'a Path,
-    part: Option<Part>,
-    /// How many variants that are.
-    wanted: u64,
-}
-
-/// Makes all variants that are missing. Threads share the number of the next variant and a channel to the journal, nothing
-/// else.
-fn make(
-    what: &What,
-    journal: &mut Journal,
-    threads: usize,
-    context: &Context,
-) -> Result<(), SweepError> {
-    let done = journal.done().clone();
-    let next = AtomicU64::new(0);
-    let (sender, receiver) = sync_channel(WAITING);
-    thread::scope(|scope| {
-        for _ in 0..threads {
-            let (sender, context, done, next) = (sender.clone(), context.silenced(), &done, &next);
-            scope.spawn(move || {
-                let numbers = || next.fetch_add(1, Ordering::Relaxed);
-                work(what, numbers, done, &sender, &context);
-            });
-        }
-        // The channel ends with the last thread.
-        drop(sender);
-        let kept = keep(&receiver, what.wanted, journal, context);
-        if kept.is_err() {
-            context.cancel_token().cancel();
-            // Threads that wait to send must not wait for ever; what they have made is kept where that is possible.
-            for record in receiver.into_iter().flatten() {
-                let _ = journal.add(&record);
-            }
-        }
-        kept
-    })
-}
-
-/// Makes variants until there are none left. The pool of one thread keeps the loops inside a break from competing with those
-/// of other variants.
-fn work(
-    what: &What,
-    mut numbers: impl FnMut() -> u64 + Send,
-    done: &Done,
-    sender: &SyncSender<Result<Record, SweepError>>,
-    context: &Context,
-) {
-    let mut worker = Worker::new(what.sweep, what.folder);
-    let mut all = || {
-        loop {
-            let number = numbers();
-            if number >= what.sweep.count() {
-                return;
-            }
-            if done.contains(number) || what.part.is_some_and(|part| !part.contains(number)) {
-                continue;
-            }
-            let start = Instant::now();
-            let made = worker.make(number, context).map(|record| Record {
-                seconds: start.elapsed().as_secs_f64(),
-                ..record
-            });
-            let goes_on = made.is_ok();
-            if sender.send(made).is_err() || !goes_on {
-                return;
-            }
-        }
-    };
+/// Calls something in a pool of one thread, in which the loops inside a break do not compete with those of other variants.
+fn in_one_thread(call: &mut (dyn FnMut() + Send)) {
     match rayon::ThreadPoolBuilder::new().num_threads(1).build() {
-        Ok(pool) => pool.install(all),
-        Err(_) => all(),
-    }
-}
-
-/// Puts what comes into the journal.
-fn keep(
-    receiver: &Receiver<Result<Record, SweepError>>,
-    wanted: u64,
-    journal: &mut Journal,
-    context: &Context,
-) -> Result<(), SweepError> {
-    use std::sync::mpsc::RecvTimeoutError;
-    loop {
-        match receiver.recv_timeout(INTERVAL) {
-            Ok(record) => journal.add(&record?)?,
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => return Ok(()),
-        }
-        context.report(journal.done().count() as f64 / wanted.max(1) as f64)?;
+        Ok(pool) => pool.install(call),
+        Err(_) => call(),
     }
 }
 

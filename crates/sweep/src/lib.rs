@@ -6,8 +6,8 @@
 //! A [`Sweep`] breaks, simulates or bends wood often, with parameters that vary. It knows every variant by its number alone
 //! ([`plan`], [`variant`]), so that variants can be made in any order, by any number of threads, and again. A [`Worker`] makes
 //! one ([`worker`]); a [`Journal`] keeps what came of each ([`journal`], [`figures`]); a table and a contact sheet are made of
-//! the journal ([`table`], [`sheet`]). Several processes make the parts of a sweep ([`part`]), as render farms do by a job
-//! ([`job`]). Threads and clocks are the program's.
+//! the journal ([`table`], [`sheet`]). A [`Run`] does all that with several threads ([`run`]); several processes make the parts of
+//! a sweep ([`part`]), as render farms do by a job ([`job`]).
 #![deny(missing_docs)]
 
 pub mod axis;
@@ -20,6 +20,7 @@ pub mod keys;
 mod making;
 pub mod part;
 pub mod plan;
+pub mod run;
 pub mod sheet;
 pub mod shown;
 pub mod sobol;
@@ -33,5 +34,6 @@ pub use input::{Input, InputError};
 pub use journal::{Journal, Record};
 pub use part::Part;
 pub use plan::{Sweep, SweepSettings};
+pub use run::Run;
 pub use variant::Variant;
 pub use worker::Worker;
