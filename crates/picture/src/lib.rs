@@ -8,9 +8,11 @@
 mod bvh;
 mod camera;
 mod chart;
+mod coin;
 mod denoise;
 mod drawing;
 mod error;
+mod focus;
 mod item;
 mod light;
 mod lighting;

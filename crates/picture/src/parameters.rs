@@ -92,6 +92,10 @@ parameters! {
             view: Option<ViewDirection> = None, text(VIEW).auto();
             /// How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; "auto" shows everything.
             close_up: Option<f64> = None, number(Unit::One, 0.5, 1000.0).auto().logarithmic();
+            /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near.
+            depth_of_field: f64 = 0.0, number(Unit::One, 0.0, 1.0);
+            /// Lays a coin of one euro, 23 mm wide, in front of the wood, for scale.
+            coin: bool = false, flag();
         }
     }
 }
@@ -109,6 +113,8 @@ impl PictureParameters {
                 elevation: view.elevation.to_radians(),
             }),
             close_up: self.close_up,
+            depth_of_field: self.depth_of_field,
+            coin: self.coin,
             ..PictureOptions::everything()
         }
     }

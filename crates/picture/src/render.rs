@@ -2,8 +2,10 @@
 //! picture, with more camera rays where an edge or fine detail asks for them.
 
 use crate::camera::{Camera, Sphere, View};
+use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
+use crate::focus::spread;
 use crate::item::Item;
 use crate::light::Studio;
 use crate::picture::Picture;
@@ -32,6 +34,10 @@ pub struct PictureOptions {
     pub zoom: Option<Sphere>,
     /// How much whoever knows where the wood is broken shows of it as `zoom`, in diameters of the stem; [`render`] does not look at it.
     pub close_up: Option<f64>,
+    /// How much what lies before and behind the focus is blurred, 0 to 1.
+    pub depth_of_field: f64,
+    /// Whether a coin lies on the floor in front of the scene, for scale.
+    pub coin: bool,
     /// Points in the world that fit into the picture if `zoom` is `None`, m; empty for all vertices.
     pub shown: Vec<DVec3>,
     /// Upward direction, of any length above 0: the vertical of the picture and the normal of the floor.
@@ -60,6 +66,8 @@ impl PictureOptions {
             view: View::Automatic,
             zoom: None,
             close_up: None,
+            depth_of_field: 0.0,
+            coin: false,
             shown: Vec::new(),
             up: DVec3::Y,
             floor: true,
@@ -139,7 +147,7 @@ pub fn render(
         (size, options.samples)
     };
     context.report(0.0)?;
-    let points = world_points(items)?;
+    let mut points = world_points(items)?;
     let shown = if options.shown.is_empty() {
         &points
     } else {
@@ -148,12 +156,22 @@ pub fn render(
     if shown.iter().any(|p| !p.is_finite()) {
         return Err(PictureError::View("the points to show must be finite"));
     }
-    let camera = Camera::new(shown, options.view, options.zoom, options.up, rendered)?;
+    let mut camera = Camera::new(shown, options.view, options.zoom, options.up, rendered)?;
     let up = options.up.normalize();
     let level = shown
         .iter()
         .map(|p| p.dot(up))
         .fold(f64::INFINITY, f64::min);
+    let coin = (options.coin).then(|| Coin::before(shown, &camera, up));
+    let with_coin: Vec<Item>;
+    let mut items = items;
+    if let Some(coin) = &coin {
+        let wider: Vec<DVec3> = shown.iter().copied().chain(coin.corners()).collect();
+        camera = Camera::new(&wider, options.view, options.zoom, options.up, rendered)?;
+        with_coin = coin.beside(items);
+        items = &with_coin;
+        points = world_points(items)?;
+    }
     let scene = Scene::new(items, &points);
     drop(points);
     let floor = options.floor.then_some(level);
@@ -166,6 +184,17 @@ pub fn render(
         samples,
         rays: samples.div_ceil(SAMPLES_PER_LIGHT_RAY),
     };
+    let radiance = radiance(&frame, options.depth_of_field, context)?;
+    let radiance = enlarge(radiance, rendered, size);
+    Ok(Picture::from_radiance(size[0], size[1], &radiance))
+}
+
+/// Finds the radiance of all pixels of a frame, blurred out of focus by a depth of field of 0 to 1.
+fn radiance(
+    frame: &Frame,
+    depth_of_field: f64,
+    context: &Context,
+) -> Result<Vec<Vec3>, PictureError> {
     let rows = |step: usize| Rows {
         columns: frame.size[0],
         rows: frame.size[1],
@@ -185,17 +214,21 @@ pub fn render(
     let light = rows(2).fill(|x, y| frame.refined(&neighbours, &light, x, y))?;
     let light = smooth(&neighbours, light);
     let centres: Vec<Vec3> = (seen.par_iter().zip(&light))
-        .map(|(seen, light)| seen.radiance(&studio, light))
+        .map(|(seen, light)| seen.radiance(frame.studio, light))
         .collect();
     let resolved = Resolve {
-        frame: &frame,
+        frame,
         neighbours,
         light: &light,
         centres: &centres,
     };
     let radiance = rows(3).fill(|x, y| resolved.pixel(x, y))?;
-    let radiance = enlarge(radiance, rendered, size);
-    Ok(Picture::from_radiance(size[0], size[1], &radiance))
+    if depth_of_field > 0.0 {
+        let seen = (&places[..], frame.scene.bounds.centre);
+        let (size, camera) = (frame.size, frame.camera);
+        return Ok(spread(&radiance, size, seen, camera, depth_of_field));
+    }
+    Ok(radiance)
 }
 
 /// Enlarges the pixels of a picture to another size, linearly between their middles.

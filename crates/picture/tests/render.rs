@@ -288,3 +288,91 @@ fn rendering_reports_progress_and_can_be_cancelled() {
     let stopped = render(&items, &small(), &context);
     assert!(matches!(stopped, Err(PictureError::Cancelled(_))));
 }
+
+#[test]
+fn a_coin_has_the_size_of_a_euro() {
+    // A slab of 6 cm seen from straight above, once with a coin in front of it.
+    let mesh = cube();
+    let shader = PlainShader::uniform([0.02; 3]);
+    let items = [Item {
+        mesh: &mesh,
+        transform: DAffine3::from_scale(DVec3::new(0.06, 0.002, 0.06)),
+        shader: &shader,
+    }];
+    let with = |coin: bool| {
+        let options = PictureOptions {
+            width: 240,
+            height: 240,
+            view: View::Direction {
+                azimuth: 0.0,
+                elevation: std::f64::consts::FRAC_PI_2,
+            },
+            zoom: Some(Sphere {
+                centre: DVec3::ZERO,
+                radius: 0.08,
+            }),
+            coin,
+            ..small()
+        };
+        render(&items, &options, &Context::quiet()).unwrap()
+    };
+    let (bare, shown) = (with(false), with(true));
+    // The yellow of its outer part, which nothing else has, spans its width.
+    let is_yellow = |x: usize, y: usize| {
+        let p = &shown.rgb[(y * 240 + x) * 3..][..3];
+        i32::from(p[0]) - i32::from(p[2]) > 40
+    };
+    let columns: Vec<usize> = (0..240)
+        .filter(|&x| (0..240).any(|y| is_yellow(x, y)))
+        .collect();
+    let wide = (columns[columns.len() - 1] - columns[0] + 1) as f64;
+    // The sphere of 16 cm fills the height; perspective changes that by its sine, 2 %.
+    let expected = 240.0 * 23.25 / 160.0;
+    assert!((wide / expected - 1.0).abs() < 0.08, "{wide}, {expected}");
+    assert!(difference(&bare, &shown) > 1.0);
+}
+
+#[test]
+fn what_is_out_of_focus_is_blurred_and_the_rest_is_not() {
+    // Two cubes of the same look, of which one is twice as far.
+    let mesh = cube();
+    let shader = PlainShader::uniform([1.0; 3]);
+    let at = |x: f64, z: f64| Item {
+        mesh: &mesh,
+        transform: DAffine3::from_translation(DVec3::new(x, 0.0, z)),
+        shader: &shader,
+    };
+    let items = [at(-1.0, 0.0), at(1.4, -8.0)];
+    let with = |depth_of_field: f64| {
+        let options = PictureOptions {
+            width: 160,
+            height: 120,
+            view: View::Direction {
+                azimuth: 0.0,
+                elevation: 0.0,
+            },
+            zoom: Some(Sphere {
+                centre: DVec3::new(0.0, 0.0, 0.0),
+                radius: 2.0,
+            }),
+            floor: false,
+            depth_of_field,
+            ..small()
+        };
+        render(&items, &options, &Context::quiet()).unwrap()
+    };
+    let (sharp, soft) = (with(0.0), with(1.0));
+    // The steepest step between neighbours in a range of columns: at the border between red and blue.
+    let step = |picture: &Picture, columns: std::ops::Range<usize>| {
+        let level = |x: usize, y: usize| i32::from(picture.rgb[(y * 160 + x) * 3]);
+        let steps = columns.flat_map(|x| (1..120).map(move |y| (x, y)));
+        steps
+            .map(|(x, y)| (level(x, y) - level(x, y - 1)).abs())
+            .max()
+    };
+    let (near, far) = (30..60, 95..125);
+    let [before, after] = [&sharp, &soft].map(|p| step(p, near.clone()).unwrap());
+    assert!(10 * after >= 9 * before, "{before} {after}");
+    let [before, after] = [&sharp, &soft].map(|p| step(p, far.clone()).unwrap());
+    assert!(2 * after < before, "{before} {after}");
+}

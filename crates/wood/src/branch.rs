@@ -34,6 +34,7 @@ pub fn branch_scene(options: &BranchOptions) -> Scene {
         transform: DAffine3::IDENTITY,
         mesh: primitive::branch(options).into(),
         parent: None,
+        is_detail: false,
     };
     // Baking takes longer than the rest, and most branches are the built-in one.
     static BAKED: OnceLock<Vec<u8>> = OnceLock::new();

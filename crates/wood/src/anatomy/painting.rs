@@ -168,7 +168,11 @@ impl Anatomy<'_> {
             CutFace::Across => 1.0,
             CutFace::Along => 0.0,
         };
-        let point = WoodPoint { address, end_grain };
+        let point = WoodPoint {
+            address,
+            end_grain,
+            facing: DVec2::ZERO,
+        };
         let surface = (self.wood()).surface_at(self.rings(), &point, footprint);
         DVec3::from_array(surface.color)
     }

@@ -29,6 +29,8 @@ pub struct BarkAppearance {
     pub furrow_width: f64,
     /// Depth of the furrows, m; small for young, smooth bark.
     pub furrow_depth: f64,
+    /// Factor on the length of ridges over their width: low for plates and scales, high for strings.
+    pub furrow_stretch: f64,
     /// How many lenticels (pale cross stripes) show, 0 to 1.
     pub lenticels: f64,
     /// Seed of everything irregular.
@@ -51,6 +53,7 @@ impl BarkAppearance {
             furrow_color: srgb([84, 62, 47]),
             furrow_width: (radius * 0.14).clamp(8e-4, 0.015),
             furrow_depth: (radius * 0.02).clamp(1e-4, 2e-3),
+            furrow_stretch: 1.0,
             lenticels: 0.5,
             seed: 0,
             period: None,
@@ -64,6 +67,7 @@ impl BarkAppearance {
             furrow_color: srgb([56, 40, 30]),
             furrow_width: (radius * 0.25).clamp(3e-3, 0.06),
             furrow_depth: (radius * 0.06).clamp(5e-4, 0.02),
+            furrow_stretch: 1.0,
             lenticels: 0.0,
             seed: 0,
             period: None,
@@ -227,7 +231,7 @@ impl BarkAppearance {
             let number = FURROW_NOISES + 3 * i;
             let (shift, shift_slope) = self.noise((noises, number), seed ^ 1, place, slow);
             let shifted = place + DVec3::new(shift, -shift, 0.0) * (0.5 * size);
-            let furrow = (DVec3::splat(size), order.stretch);
+            let furrow = (DVec3::splat(size), order.stretch * self.furrow_stretch);
             let (v, g) = self.noise((noises, number + 1), seed, shifted, furrow);
             let g = g + shift_slope * (0.5 * size * (g.x - g.y));
             // A furrow runs where the noise changes sign; how wide it opens changes along it.

@@ -13,37 +13,43 @@ use std::f64::consts::TAU;
 struct StreakSize {
     /// m.
     width: f64,
+    /// Length in widths.
+    stretch: f64,
     /// Share of the brightness.
     share: f64,
     /// m.
     relief: f64,
 }
 
-/// Fibre bundles, slivers and fibres. Their lengths are [`STREAK_LENGTH_WIDTHS`] widths.
+/// Fibre bundles, slivers and fibres. They are longer than wide by 28 to 40 times: what is longer than the face looks like a blur.
 const STREAKS: [StreakSize; STREAK_NOISES] = [
     StreakSize {
         width: 5.0e-3,
+        stretch: 28.0,
         share: 0.10,
         relief: 120e-6,
     },
     StreakSize {
         width: 1.3e-3,
+        stretch: 32.0,
         share: 0.17,
         relief: 90e-6,
     },
     StreakSize {
         width: 0.35e-3,
+        stretch: 40.0,
         share: 0.24,
-        relief: 48e-6,
+        relief: 70e-6,
     },
     StreakSize {
         width: 0.10e-3,
+        stretch: 40.0,
         share: 0.24,
-        relief: 16e-6,
+        relief: 20e-6,
     },
 ];
-/// Length of a streak in widths: fibres are 40 to 100 times longer than wide.
-const STREAK_LENGTH_WIDTHS: f64 = 40.0;
+/// How far fibres wave to the sides, and the length of a wave along them, m: no grain is as straight as a ruler.
+const WAVES: [(f64, f64); 2] = [(0.25e-3, 43e-3), (0.03e-3, 11e-3)];
 /// Width of a ray and the distance between rays around the stem, m.
 const RAY_WIDTH: f64 = 0.12e-3;
 const RAY_DISTANCE: f64 = 1.1e-3;
@@ -64,6 +70,7 @@ const STREAK: u64 = 0x53;
 const HEARTWOOD: u64 = 0x48;
 const VESSEL: u64 = 0x56;
 const RAYS: u64 = 0x59;
+const WAVE: u64 = 0x57;
 
 /// Streaks of fibres at a point.
 pub(super) struct Streaks {
@@ -93,13 +100,14 @@ impl WoodAppearance {
         footprint: f64,
         noises: &mut impl Noises,
     ) -> Streaks {
+        let place = self.waved(place);
         let (mut shade, mut height, mut slope) = (0.0, 0.0, DVec3::ZERO);
         for (i, size) in STREAKS.iter().enumerate() {
             let visible = visible_detail(size.width, footprint);
             if visible == 0.0 {
                 break;
             }
-            let (length, period) = periodic_cells(size.width * STREAK_LENGTH_WIDTHS, self.period);
+            let (length, period) = periodic_cells(size.width * size.stretch, self.period);
             let scale = DVec3::new(1.0 / size.width, 1.0 / size.width, 1.0 / length);
             let (v, g) = noises.gradient(
                 i,
@@ -122,6 +130,18 @@ impl WoodAppearance {
             height,
             slope,
         }
+    }
+
+    /// Where a fibre that waves would be if it were straight.
+    fn waved(&self, place: DVec3) -> DVec3 {
+        let mut straight = place;
+        for (i, (width, length)) in WAVES.into_iter().enumerate() {
+            let (long, _) = periodic_cells(length, self.period);
+            let start = |k: i64| unit(self.seed ^ WAVE, i as i64, k, 0);
+            let wave = |k: i64| width * libm::sin(TAU * (place.z / long + start(k)));
+            straight += DVec3::new(wave(0), wave(1), 0.0);
+        }
+        straight
     }
 
     /// The latewood of the ring at an address.

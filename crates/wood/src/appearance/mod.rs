@@ -7,16 +7,20 @@
 //! averaged away.
 
 mod bark;
+mod bark_kinds;
 mod colours;
 mod figures;
 mod mix;
 mod noises;
+mod saw;
 mod shading;
+mod splits;
 mod stem;
 mod surface;
 mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};
+pub use bark_kinds::BarkKind;
 pub use colours::{COLOUR, SrgbColour, SrgbColourError, WoodColours};
 pub use shading::{OrientedSurface, SurfacePoint, faces_pith, weathered};
 pub use stem::{EndSection, StemAppearance};

@@ -1,6 +1,7 @@
 //! The appearance of a stem at a point of a surface: the address of the point, and the directions of the relief there.
 
 use super::bark::BarkPoint;
+use super::saw::saw_mark;
 use super::stem::StemAppearance;
 use super::surface::WoodSurface;
 use super::wood::WoodPoint;
@@ -10,6 +11,9 @@ use glam::{DVec2, DVec3};
 
 /// Cosine of the angle to the grain within which a face of the skin is a sawn end.
 const SAWN_COSINE: f64 = 0.9;
+/// Distance from an end up to which wood inside that lies straight across the grain was sawn, radii, and its cosine.
+const CUT_END_RADII: f64 = 0.15;
+const CUT_END_COSINE: f64 = 0.9995;
 /// Cosine of the angle to the direction away from the pith beyond which the skin is that of a bore: the sides of furrows in
 /// bark turn away from that direction by no more than a right angle.
 const BORE_COSINE: f64 = -0.5;
@@ -58,6 +62,23 @@ impl OrientedSurface {
 impl StemAppearance {
     /// Returns the wood inside at a point with grain coordinates `grain`, m.
     pub fn wood_at(&self, stem: &Stem, grain: DVec3, point: &SurfacePoint) -> OrientedSurface {
+        let (shown, end_grain) = self.wood_and_cut(stem, grain, point);
+        // An end that was sawn off for its cracks shows the wood inside.
+        let margin = CUT_END_RADII * stem.radius;
+        let at_end = grain.z < margin || grain.z > stem.length - margin;
+        match at_end && end_grain > CUT_END_COSINE {
+            true => self.with_saw_marks(shown, (stem, grain), point.footprint),
+            false => shown,
+        }
+    }
+
+    /// Returns the wood inside at a point, and |normal · grain|.
+    fn wood_and_cut(
+        &self,
+        stem: &Stem,
+        grain: DVec3,
+        point: &SurfacePoint,
+    ) -> (OrientedSurface, f64) {
         let (ring, angle) = self.address(stem, grain);
         let (directions, end_grain) = match point.grain_gradients {
             // A length along the grain that does not change along a face means that the face lies across it.
@@ -78,18 +99,49 @@ impl StemAppearance {
                 along: grain.z,
             },
             end_grain,
+            facing: DVec2::new(
+                point.geometric_normal.dot(directions[0]),
+                point.geometric_normal.dot(directions[1]),
+            ),
         };
-        OrientedSurface {
+        let shown = OrientedSurface {
             surface: (self.wood).surface_at(&*self.rings, &wood, point.footprint),
             directions,
+        };
+        (shown, end_grain)
+    }
+
+    /// Returns wood that was sawn: across the grain the saw left its marks, along it the wood is planed.
+    fn sawn_at(&self, stem: &Stem, grain: DVec3, point: &SurfacePoint) -> OrientedSurface {
+        let (shown, end_grain) = self.wood_and_cut(stem, grain, point);
+        match end_grain > SAWN_COSINE {
+            true => self.with_saw_marks(shown, (stem, grain), point.footprint),
+            false => shown,
         }
+    }
+
+    /// Adds the marks of the saw at a point of an end.
+    fn with_saw_marks(
+        &self,
+        mut shown: OrientedSurface,
+        (stem, grain): (&Stem, DVec3),
+        footprint: f64,
+    ) -> OrientedSurface {
+        // The two ends of a stem were not cut by one stroke.
+        let end = u64::from(grain.z > stem.location);
+        let mark = saw_mark(self.wood.seed ^ end << 8, grain.truncate(), footprint);
+        let surface = &mut shown.surface;
+        surface.color = surface.color.map(|c| (c * mark.brightness).min(1.0));
+        surface.height += mark.height;
+        surface.slope += mark.slope.extend(0.0);
+        shown
     }
 
     /// Returns the skin at a point: bark, or the wood inside on sawn wood, on the ends of a stem and in its bore; weathered
     /// wood on a pole.
     pub fn skin_at(&self, stem: &Stem, point: &SurfacePoint) -> OrientedSurface {
         match point.grain {
-            Some(grain) if is_sawn(stem, grain, point) => self.wood_at(stem, grain, point),
+            Some(grain) if is_sawn(stem, grain, point) => self.sawn_at(stem, grain, point),
             Some(grain) if !stem.kind.has_bark() => {
                 let mut shown = self.wood_at(stem, grain, point);
                 shown.surface.color = weathered(shown.surface.color);

@@ -1,6 +1,6 @@
 //! The appearance of a whole stem: the species gives the wood its structure, the size of the stem its rings and its bark.
 
-use super::{BarkAppearance, WoodAppearance};
+use super::{BarkAppearance, BarkKind, WoodAppearance};
 use crate::noise::smoothstep;
 use crate::rings::{RingField, StemRings};
 use crate::species::{HeartwoodColour, RingCharacter, Species};
@@ -58,6 +58,9 @@ impl StemAppearance {
         } else {
             BarkAppearance::young(stem.radius)
         };
+        if let Some(kind) = &wood.bark_kind {
+            bark = kind.apply(bark);
+        }
         bark.seed = wood.seed;
         if let Some(color) = wood.bark_color {
             bark.ridge_color = color;
@@ -153,6 +156,7 @@ fn wood_of(species: Option<&Species>) -> WoodAppearance {
             WoodAppearance::softwood()
         }
     };
+    wood.bark_kind = species.and_then(|s| BarkKind::of(&s.scientific_name));
     if species.and_then(|s| s.heartwood_colour) == Some(HeartwoodColour::Light) {
         wood.heartwood_color = wood.sapwood_color.map(|c| c * LIGHT_HEARTWOOD);
     }

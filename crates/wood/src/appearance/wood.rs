@@ -1,5 +1,6 @@
 //! The appearance of wood: rings, streaks, vessels, rays and the tissues of a section.
 
+use super::bark_kinds::BarkKind;
 use super::mix::{mix, mix_scalar, visible_detail};
 use super::noises::{SPECK_NOISE, UNEVEN_NOISES};
 use super::surface::WoodSurface;
@@ -7,7 +8,7 @@ use crate::colour::linear_from_srgb as srgb;
 use crate::noise::{Forgetful, NoiseMemory, Noises, smoothstep};
 use crate::rings::{ConcentricRings, RingSource, StemAddress, periodic_cells};
 use crate::tissue::Proportions;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A point in the wood, and how the surface cuts the grain there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,6 +17,8 @@ pub struct WoodPoint {
     pub address: StemAddress,
     /// |normal · grain|: 0 on side grain, 1 on end grain.
     pub end_grain: f64,
+    /// The normal in the section, of any length; zero where it is not known. A thin gap that lies in the surface is no dark patch.
+    pub facing: DVec2,
 }
 
 /// How the wood of a stem looks. Colours are linear.
@@ -29,8 +32,9 @@ pub struct WoodPoint {
 /// let across = DVec2::new(0.015, 0.0); // m from the pith
 /// let address = StemAddress { rho: across.length() / oak.radius, angle: 0.0, across, along: 0.2 };
 /// let rings = oak.usual_rings();
-/// let end_grain = oak.surface_at(&rings, &WoodPoint { address, end_grain: 1.0 }, 1e-4);
-/// let side_grain = oak.surface_at(&rings, &WoodPoint { address, end_grain: 0.0 }, 1e-4);
+/// let point = |end_grain| WoodPoint { address, end_grain, facing: DVec2::ZERO };
+/// let end_grain = oak.surface_at(&rings, &point(1.0), 1e-4);
+/// let side_grain = oak.surface_at(&rings, &point(0.0), 1e-4);
 /// assert!(end_grain.color[0] < side_grain.color[0]);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +65,8 @@ pub struct WoodAppearance {
     pub cork_color: [f64; 3],
     /// The ridges of the bark, where their colour is given.
     pub bark_color: Option<[f64; 3]>,
+    /// The kind of bark, where the genus is known.
+    pub bark_kind: Option<BarkKind>,
     /// How much latewood is darker, 0 (not at all) to 1.
     pub latewood_contrast: f64,
     /// Part of a ring's width over which its latewood darkens, 0 to 1.
@@ -83,6 +89,15 @@ pub struct WoodAppearance {
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
+/// How much darker the gaps of hairline splits are: blue most, as light there went through wood.
+const SPLIT_DARKENING: DVec3 = DVec3::new(0.62, 0.70, 0.78);
+/// How much less streaks show across the grain than along it.
+const STREAKS_ACROSS: f64 = 0.5;
+/// How much less splits show across the grain, where a saw or a tear has filled them.
+const SPLIT_ACROSS: f64 = 0.65;
+/// Width of the cambium, a pale line between wood and bark, m, and how much it shows.
+const CAMBIUM_WIDTH: f64 = 0.28e-3;
+const CAMBIUM_SHARE: f64 = 0.7;
 /// In the hash: what the specks of pith and bark are drawn for.
 const SPECK: u64 = 0x4b;
 
@@ -103,12 +118,13 @@ impl WoodAppearance {
             phloem: 0.93,
             cork: 0.965,
             sapwood_color: srgb([224, 194, 150]),
-            latewood_color: srgb([168, 118, 70]),
-            heartwood_color: srgb([196, 147, 98]),
+            latewood_color: srgb([176, 129, 82]),
+            heartwood_color: srgb([202, 160, 115]),
             pith_color: srgb([112, 74, 44]),
             phloem_color: srgb([161, 116, 78]),
             cork_color: srgb([106, 80, 60]),
             bark_color: None,
+            bark_kind: None,
             latewood_contrast: 0.95,
             latewood_width: 0.6,
             ring_porous: false,
@@ -198,10 +214,15 @@ impl WoodAppearance {
         let address = &at.address;
         let place = DVec3::new(address.across.x, address.across.y, address.along);
         let end = at.end_grain.clamp(0.0, 1.0);
-        let streaks = self.streaks(place, footprint, noises);
+        let mut streaks = self.streaks(place, footprint, noises);
+        // A saw cuts all fibres at one height.
+        streaks.slope *= 1.0 - STREAKS_ACROSS * end;
+        streaks.shade *= 1.0 - STREAKS_ACROSS * end;
         let latewood = self.latewood(rings, address, footprint);
         let vessel = self.vessel(place, latewood.first_earlywood, footprint);
         let ray = self.ray_contrast * self.ray(address, footprint);
+        let split = self.split(address, (place, at.facing), footprint);
+        let gap = split.gap * (1.0 - SPLIT_ACROSS * end);
 
         let sapwood = DVec3::from_array(self.sapwood_color);
         let mut color = mix(
@@ -223,8 +244,11 @@ impl WoodAppearance {
             + (1.0 - ray);
         // Blue falls most in the dark gaps between fibres: light that gets out of there went through more wood.
         color *= (DVec3::ONE + DVec3::new(1.0, 1.18, 1.45) * streaks.shade).max(DVec3::splat(0.1));
+        color *= DVec3::ONE - SPLIT_DARKENING * gap;
 
-        let height = streaks.height + (RING_RELIEF * late - 0.5 * self.vessel_diameter * vessel);
+        let height = streaks.height
+            + split.height
+            + (RING_RELIEF * late - 0.5 * self.vessel_diameter * vessel);
         let outward = address.across.normalize_or_zero();
         let ring_slope = DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * latewood.slope);
         let roughness = 0.78 - 0.10 * late + 0.12 * end + 0.3 * streaks.shade.abs();
@@ -242,7 +266,7 @@ impl WoodAppearance {
                 .to_array(),
             roughness: surface.roughness.clamp(0.3, 1.0),
             height,
-            slope: streaks.slope + ring_slope,
+            slope: streaks.slope + split.slope + ring_slope,
         }
     }
 
@@ -279,6 +303,10 @@ impl WoodAppearance {
             );
         surface.blend(self.pith_color, 0.22 * speck, in_pith);
         let uneven = self.uneven_bark(place, noises);
+        let from_cambium = (rho + (0.008 * ragged + uneven) - self.phloem).abs() * self.radius;
+        let wide = CAMBIUM_WIDTH.max(footprint);
+        let pale = (1.0 - smoothstep(0.3 * wide, wide, from_cambium)) * CAMBIUM_WIDTH / wide;
+        let cambium = self.sapwood_color.map(|c| (1.12 * c).min(1.0));
         for (edge, color, grain) in [
             (self.phloem, self.phloem_color, 0.20),
             (self.cork, self.cork_color, 0.42),
@@ -286,6 +314,9 @@ impl WoodAppearance {
             let wavy = rho + (0.008 * ragged + uneven);
             let inside = smoothstep(edge - soft, edge + soft, wavy);
             surface.blend(color, grain * speck, inside);
+            if edge == self.phloem {
+                surface.blend(cambium, 0.1 * speck, CAMBIUM_SHARE * pale);
+            }
         }
     }
 
@@ -332,7 +363,6 @@ mod tests {
     use super::*;
     use crate::appearance::{BarkAppearance, BarkPoint};
     use crate::rings::RingPosition;
-    use glam::DVec2;
 
     fn at(x: f64, y: f64, along: f64, end_grain: f64) -> WoodPoint {
         let across = DVec2::new(x, y);
@@ -344,6 +374,7 @@ mod tests {
                 along,
             },
             end_grain,
+            facing: DVec2::ZERO,
         }
     }
 

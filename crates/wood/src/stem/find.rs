@@ -58,7 +58,7 @@ const MAX_CARRIERS: usize = 256;
 const WELDING_TOLERANCES: [f64; 3] = [1e-6, 1e-5, 1e-4];
 /// A board is taken for flat-sawn: its pith lies so far below the middle of its wide face, in widths.
 const FLAT_SAWN_PITH_WIDTHS: f64 = 0.75;
-/// A dowel is turned from a board well off the pith, which lies so many of its diameters beside its middle.
+/// A dowel is turned from a board well off the pith, which lies so many of its greatest diameters beside its middle.
 const DOWEL_PITH_DIAMETERS: f64 = 2.0;
 /// How much farther than the sections its rings reach, so that relief between sections is inside.
 const EXTENT_MARGIN: f64 = 1.05;
@@ -432,13 +432,16 @@ impl Search<'_> {
                 pith
             }
             (None, StemKind::Dowel) => {
-                let (area, centroid) = area_and_centroid(&section.contour);
-                let down = DOWEL_PITH_DIAMETERS * 2.0 * (area.abs() / PI).sqrt();
+                // That of the board it was turned from, which does not depend on where it breaks or how thick it is there.
+                let all = || body.stations.iter().filter_map(|s| s.section.as_ref());
+                let centroids = all().fold(DVec2::ZERO, |sum, s| sum + s.centroid);
+                let thickest = all().map(|s| s.area).fold(section.area, f64::max);
+                let down = DOWEL_PITH_DIAMETERS * 2.0 * (thickest / PI).sqrt();
                 notes.push(format!(
                     "the pith was taken to lie {:.0} mm beside the middle of the dowel",
                     down * 1e3
                 ));
-                centroid - DVec2::new(0.0, down)
+                centroids / all().count().max(1) as f64 - DVec2::new(0.0, down)
             }
             (None, StemKind::Board) => {
                 // Flat-sawn: the wide faces are tangential to the rings. x is the wide direction.

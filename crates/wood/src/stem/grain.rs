@@ -1,7 +1,8 @@
 //! Grain space: the stem straightened, so that every line along the grain is parallel to the third axis.
 //!
 //! Coordinates are (x, y, s): metres across the stem, in the section of the break, and metres along the axis. Away from
-//! the break a section is scaled with the stem's taper, as the grain follows the bark.
+//! the break a section is scaled with the stem's taper, as the grain follows the bark. The grain of sawn wood does not follow its
+//! outline, and is not scaled.
 
 use super::Axis;
 use glam::DVec3;

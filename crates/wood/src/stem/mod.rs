@@ -20,6 +20,7 @@ mod location;
 mod model;
 mod options;
 mod parts;
+mod plain;
 mod plank;
 mod principal;
 mod section;

@@ -64,7 +64,8 @@ parameters! {
         "What it is", "stem" {
             /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; "auto" estimates it.
             pith: Option<PithPosition> = None, text(PITH).auto();
-            /// What the stem is; "auto" tells boards from round stems by their section, and takes round ones to have bark.
+            /// What the stem is; "auto" tells boards from round stems by their section. A round one has bark, unless it is
+            /// straight, of one thickness and without a texture: then it is a dowel, or a pole where it is thicker than 6 cm.
             kind: Option<StemKind> = None, choice(StemKind::CHOICES).auto();
             /// Share of the radius at which a stem that is eccentric began to lean: rings within are round about the pith,
             /// rings beyond are wider on one side, all by the same share. "auto" is the usual one of such an outline; points on

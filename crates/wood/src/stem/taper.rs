@@ -2,7 +2,6 @@
 
 use super::body::Body;
 use super::grain::TaperPoint;
-use super::model::StemKind;
 
 /// Half width of the smoothing window, radii.
 const WINDOW_RADII: f64 = 3.0;
@@ -10,9 +9,10 @@ const WINDOW_RADII: f64 = 3.0;
 const SCALE_RANGE: (f64, f64) = (0.1, 10.0);
 
 /// Sizes of the sections of the free run that contains `location` (m), relative to that of a section of `area` (m²) there:
-/// a local linear fit, 1 at the location. Empty for a board.
+/// a local linear fit, 1 at the location. Empty for sawn wood, whose outline cuts through rings and fibres of the tree that it
+/// was sawn from: a dowel that tapers does not carry them with it.
 pub(crate) fn taper(body: &Body, run: (f64, f64), location: f64, area: f64) -> Vec<TaperPoint> {
-    if body.kind == StemKind::Board {
+    if body.kind.is_sawn() {
         return Vec::new();
     }
     let sizes: Vec<TaperPoint> = body

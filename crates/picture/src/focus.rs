@@ -1,0 +1,93 @@
+//! Depth of field: what lies before or behind the focus is spread over a disc, as a lens does.
+//!
+//! The picture is spread after it was rendered, by the distance of what the middle of each pixel sees, so that it needs no more
+//! rays (Potmesil and Chakravarty 1981). What a sharp edge hides stays hidden.
+
+use crate::camera::Camera;
+use crate::surface::{Met, Place};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+/// Radius of the disc at twice the distance of the focus with a depth of field of 1, in heights of the picture.
+const LARGEST_DISC: f32 = 0.10;
+/// Largest radius of a disc, in heights of the picture.
+const MAX_RADIUS: f32 = 0.02;
+/// Share of what the picture shows that lies before the focus: it is on the near parts of the wood.
+const FOCUS_QUANTILE: f64 = 0.3;
+
+/// Distances from the camera along its view at the middles of pixels, m; infinite where nothing is.
+fn depths(places: &[Place], camera: &Camera, centre: DVec3) -> Vec<f32> {
+    let from = (centre - camera.origin).as_vec3();
+    let forward = camera.forward.as_vec3();
+    let depth = |place: &Place| match place.met {
+        Met::Background => f32::INFINITY,
+        _ => (place.position + from).dot(forward),
+    };
+    places.iter().map(depth).collect()
+}
+
+/// Spreads the pixels of a picture; `strength` is 0 to 1. Positions of places are relative to `centre`.
+pub(crate) fn spread(
+    pixels: &[Vec3],
+    size: [usize; 2],
+    (places, centre): (&[Place], DVec3),
+    camera: &Camera,
+    strength: f64,
+) -> Vec<Vec3> {
+    let depths = depths(places, camera, centre);
+    let on_items = places.iter().zip(&depths);
+    let mut items: Vec<f32> = on_items
+        .filter(|(place, _)| matches!(place.met, Met::Item(_)))
+        .map(|(_, &depth)| depth)
+        .collect();
+    if items.is_empty() {
+        return pixels.to_vec();
+    }
+    items.sort_unstable_by(f32::total_cmp);
+    let focus = items[(FOCUS_QUANTILE * (items.len() - 1) as f64) as usize];
+    let height = size[1] as f32;
+    let radius = |depth: f32| {
+        // The background is a slow gradient: spread, it would only lose what edges before it share with it.
+        let away = if depth.is_finite() {
+            1.0 - focus / depth
+        } else {
+            0.0
+        };
+        (2.0 * LARGEST_DISC * strength as f32 * away.abs()).min(MAX_RADIUS) * height
+    };
+    let radii: Vec<f32> = depths.iter().map(|&d| radius(d)).collect();
+    let largest = radii.iter().copied().fold(0.0, f32::max);
+    let reach = largest.ceil() as i64;
+    let pixel = |x: usize, y: usize| {
+        let own = y * size[0] + x;
+        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
+                let (a, b) = (x as i64 + dx, y as i64 + dy);
+                if a < 0 || b < 0 || a >= size[0] as i64 || b >= size[1] as i64 {
+                    continue;
+                }
+                let at = b as usize * size[0] + a as usize;
+                // What lies behind is not spread over what is before it.
+                let wide = match depths[at] > depths[own] {
+                    true if depths[at].is_infinite() => radii[own],
+                    true => radii[at].min(radii[own]),
+                    false => radii[at],
+                };
+                let wide = wide.max(0.5);
+                let covered = (wide + 0.5 - ((dx * dx + dy * dy) as f32).sqrt()).clamp(0.0, 1.0);
+                if covered > 0.0 {
+                    let weight = covered / (wide * wide);
+                    sum += pixels[at] * weight;
+                    total += weight;
+                }
+            }
+        }
+        sum / total
+    };
+    let pixel = &pixel;
+    (0..size[1])
+        .into_par_iter()
+        .flat_map_iter(move |y| (0..size[0]).map(move |x| pixel(x, y)))
+        .collect()
+}
