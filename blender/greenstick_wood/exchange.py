@@ -101,7 +101,8 @@ def _scale(file: Path, scale: float) -> None:
 
 def bring_in(context: bpy.types.Context, item: bpy.types.Object, broken: greenstick.Broken) -> bpy.types.Collection:
     """Makes objects of the pieces in a collection of their own, with the materials of the object that was broken, and hides
-    that object. Pieces of the same object that are there already are replaced."""
+    that object. Strands of torn fibre are children of their pieces. Pieces of the same object that are there already are
+    replaced."""
     before = set(bpy.data.objects)
     known = {material.name: material for material in bpy.data.materials}
     with tempfile.TemporaryDirectory(prefix="greenstick-") as folder:
@@ -109,6 +110,7 @@ def bring_in(context: bpy.types.Context, item: bpy.types.Object, broken: greenst
             (Path(folder) / Path(name).name).write_bytes(content)
         bpy.ops.import_scene.gltf(filepath=str(Path(folder) / "pieces.glb"))
     pieces = [made for made in bpy.data.objects if made not in before]
+    strands = {made: made.parent for made in pieces if _is_strands(made)}
     # Objects that were just made have no place in the world before. The importer turns metres into units of the scene; the
     # exporter does not turn them into metres.
     context.view_layer.update()
@@ -126,11 +128,21 @@ def bring_in(context: bpy.types.Context, item: bpy.types.Object, broken: greenst
         _centre(made)
         _own_materials(made, item, known)
         made.name = f"{item.name} {made.name.split('.')[0]}"
-        made["greenstick_source"] = item.name
+        made["greenstick_strands" if made in strands else "greenstick_source"] = item.name
         collection.objects.link(made)
+    # Strands go where their piece goes.
+    context.view_layer.update()
+    for made, piece in strands.items():
+        made.parent = piece
+        made.matrix_parent_inverse = piece.matrix_world.inverted()
     item.hide_set(True)
     item.hide_render = True
     return collection
+
+
+def _is_strands(made: bpy.types.Object) -> bool:
+    """Whether an object only adds strands of torn fibre to the piece that is its parent."""
+    return made.parent is not None and made.name.split(".")[0].endswith("_fuzz")
 
 
 def _emptied(context: bpy.types.Context, item: bpy.types.Object) -> bpy.types.Collection:
@@ -140,7 +152,7 @@ def _emptied(context: bpy.types.Context, item: bpy.types.Object) -> bpy.types.Co
         collection = bpy.data.collections.new(name)
         context.scene.collection.children.link(collection)
     for old in list(collection.objects):
-        if old.get("greenstick_source") == item.name:
+        if item.name in (old.get("greenstick_source"), old.get("greenstick_strands")):
             mesh = old.data
             bpy.data.objects.remove(old)
             if mesh.users == 0:

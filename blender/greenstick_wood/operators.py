@@ -34,8 +34,9 @@ def places(context: bpy.types.Context) -> list[tuple[float, float, float] | floa
 def target(context: bpy.types.Context) -> bpy.types.Object:
     """The object to break: the active mesh, or the one that the active piece came from."""
     item = context.active_object
-    if item is not None and "greenstick_source" in item:
-        item = bpy.data.objects.get(item["greenstick_source"], item)
+    for mark in ("greenstick_source", "greenstick_strands"):
+        if item is not None and mark in item:
+            item = bpy.data.objects.get(item[mark], item)
     if item is None:
         raise ExchangeError("no object is active; click on the one to break")
     return item
@@ -202,8 +203,12 @@ def _tell(operator: bpy.types.Operator, broken: greenstick.Broken, collection: b
     report = broken.report
     for note in report["notes"]:
         operator.report({"WARNING"}, note)
-    parts = ", ".join(f"{p['name']} {1e6 * (p['volume_m3'] or 0.0):.1f} cm³" for p in report["pieces"])
+    parts = ", ".join(f"{p['name']} {_volume_text(p['volume_m3'])}" for p in report["pieces"])
     operator.report({"INFO"}, f"{collection.name}: {parts}")
+
+
+def _volume_text(volume_m3: float | None) -> str:
+    return "open" if volume_m3 is None else f"{1e6 * volume_m3:.1f} cm³"
 
 
 _CLASSES = (GREENSTICK_OT_break_wood, GREENSTICK_OT_break_live, GREENSTICK_OT_place, GREENSTICK_OT_rigid_bodies)

@@ -9,7 +9,7 @@ import pytest
 from greenstick_wood import exchange, operators
 from greenstick_wood.job import Job
 from greenstick_wood.settings import DECLARED
-from mathutils import Matrix, Vector
+from mathutils import Matrix, Vector, kdtree
 
 
 def branch(folder):
@@ -31,6 +31,10 @@ def choose(item):
 
 def pieces(item):
     return [o for o in bpy.data.objects if o.get("greenstick_source") == item.name]
+
+
+def strands(piece):
+    return [o for o in piece.children if "greenstick_strands" in o]
 
 
 def box(items):
@@ -66,11 +70,37 @@ def test_the_built_in_branch_breaks_into_pieces_with_bark_and_inner_wood(scene, 
         # The origin is in the middle of the piece.
         middle = sum((Vector(c) for c in piece.bound_box), Vector()) / 8
         assert middle.length < 1e-4
-    # Once more replaces them.
+    # Once more replaces them, strands too.
+    before = len(bpy.data.objects)
     scene.greenstick.break__seed = 5
     choose(made[0])
     assert bpy.ops.greenstick.break_wood() == {"FINISHED"}
     assert len(pieces(item)) == 2
+    assert len(bpy.data.objects) == before
+
+
+def test_strands_stand_on_their_piece_and_follow_it(scene, tmp_path):
+    item = branch(tmp_path)
+    quick(scene)
+    assert bpy.ops.greenstick.break_wood() == {"FINISHED"}
+    for piece in pieces(item):
+        (grown,) = strands(piece)
+        # What they grow on is the broken face, not the far end of the piece.
+        wood = {
+            v
+            for p in piece.data.polygons
+            if piece.material_slots[p.material_index].material.name.startswith("inner_wood")
+            for v in p.vertices
+        }
+        tree = kdtree.KDTree(len(wood))
+        for number, vertex in enumerate(wood):
+            tree.insert(piece.matrix_world @ piece.data.vertices[vertex].co, number)
+        tree.balance()
+        assert max(tree.find(grown.matrix_world @ v.co)[2] for v in grown.data.vertices) < 0.02
+        place = grown.matrix_world.translation.copy()
+        piece.location.x += 1.0
+        bpy.context.view_layer.update()
+        assert (grown.matrix_world.translation - place - Vector((1.0, 0.0, 0.0))).length < 1e-6
 
 
 def test_volumes_of_the_pieces_are_that_of_the_branch(scene, tmp_path):

@@ -48,15 +48,19 @@ pub fn check(options: &CheckOptions) -> Result<ExitCode, Failure> {
 
 fn check_file(path: &Path, options: &CheckOptions) -> Result<FileReport, Failure> {
     let scene = files::read(path, options.unit.map(Into::into))?;
-    let how = How {
-        self_intersections: !options.fast,
+    // Strands of torn fibre lie across each other.
+    let how = |is_detail: bool| How {
+        self_intersections: !options.fast && !is_detail,
     };
     let meshes = scene
         .nodes
         .iter()
         .filter(|node| !node.mesh.triangles.is_empty())
         .map(|node| {
-            let report = node.mesh.transformed(&node.transform).check_with(how);
+            let report = node
+                .mesh
+                .transformed(&node.transform)
+                .check_with(how(node.is_detail));
             MeshReport {
                 name: node.name.clone(),
                 solid: report.is_solid(),

@@ -9,6 +9,11 @@ use crate::unit::LengthUnit;
 use crate::{gltf, obj, off, ply, stl};
 use greenstick_geometry::Scene;
 use greenstick_geometry::text::one_line;
+use std::borrow::Cow;
+
+/// Ending of the names of nodes that only add to the looks of others ([`greenstick_geometry::Node::is_detail`]): files have no
+/// other place for it that all of them share.
+const DETAIL_ENDING: &str = "_fuzz";
 
 /// Reads a mesh file. If the content clearly has another format than `format`, the content decides, and a note says so.
 ///
@@ -78,6 +83,9 @@ pub fn read(
             ));
         }
     }
+    for node in &mut scene.nodes {
+        node.is_detail = node.name.ends_with(DETAIL_ENDING);
+    }
     for note in &mut scene.notes {
         *note = one_line(note).into_owned();
     }
@@ -140,8 +148,19 @@ pub fn write(
         Format::Gltf => gltf::write(scene, name, false),
         Format::Glb => gltf::write(scene, name, true),
         Format::Obj => obj::write(scene, name, unit),
-        Format::Ply => ply::write(scene, name, unit),
-        Format::Stl => stl::write(scene, name, unit),
-        Format::Off => off::write(scene, name, unit),
+        Format::Ply => ply::write(&without_details(scene), name, unit),
+        Format::Stl => stl::write(&without_details(scene), name, unit),
+        Format::Off => off::write(&without_details(scene), name, unit),
     }
+}
+
+/// Returns a scene without the nodes that only add to the looks of others, for formats that hold all nodes as one mesh. They hold
+/// no hierarchy either, so that parents are left as they are.
+fn without_details(scene: &Scene) -> Cow<'_, Scene> {
+    if scene.nodes.iter().all(|node| !node.is_detail) {
+        return Cow::Borrowed(scene);
+    }
+    let mut solids = scene.clone();
+    solids.nodes.retain(|node| !node.is_detail);
+    Cow::Owned(solids)
 }

@@ -111,6 +111,7 @@ pub(crate) fn read(bytes: &[u8], name: &str) -> Result<Scene, FormatError> {
         transform: DAffine3::IDENTITY,
         mesh: Arc::new(mesh),
         parent: None,
+        is_detail: false,
     };
     Ok(Scene {
         nodes: vec![node],

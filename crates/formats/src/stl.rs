@@ -133,6 +133,7 @@ fn node(name: String, welder: Welder) -> Node {
         transform: DAffine3::IDENTITY,
         mesh: Arc::new(welder.mesh),
         parent: None,
+        is_detail: false,
     }
 }
 

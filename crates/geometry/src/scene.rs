@@ -18,6 +18,9 @@ pub struct Node {
     /// Index of the node that carries this one. `transform` is to the world all the same; only writers of formats
     /// with a hierarchy use it.
     pub parent: Option<usize>,
+    /// Whether it only adds to the looks of another node, such as fibres on a surface: it is not part of a solid, and formats that
+    /// hold all nodes as one mesh leave it out.
+    pub is_detail: bool,
 }
 
 impl Node {
@@ -28,6 +31,7 @@ impl Node {
             transform,
             mesh: mesh.into(),
             parent: None,
+            is_detail: false,
         }
     }
 

@@ -10,6 +10,7 @@ pub mod finish;
 #[cfg(feature = "rods")]
 pub mod fit;
 pub mod fray;
+mod fuzz;
 pub mod hang;
 pub mod materials;
 pub mod prepared;

@@ -93,6 +93,8 @@ impl Surroundings {
                     // The skin comes first in a piece.
                     bark = node.mesh.material(0);
                 }
+                // The strands of a face that is being changed are drawn when it is finished.
+                NodeRole::Fuzz(_) => {}
                 NodeRole::Carried => others.push(node, 2.0, &mut corners),
                 NodeRole::Untouched => others.push(node, 0.0, &mut corners),
             }

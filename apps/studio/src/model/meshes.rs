@@ -198,6 +198,8 @@ impl DrawnScene {
                     }
                     number
                 }
+                // Pieces are the first nodes, and the first piece is what no break touched.
+                NodeRole::Fuzz(_) => node.parent.map_or(UNTOUCHED, |at| (at + 1) as f32),
                 NodeRole::Carried => upper,
                 NodeRole::Untouched => UNTOUCHED,
             };

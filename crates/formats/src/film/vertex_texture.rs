@@ -339,6 +339,7 @@ fn at_rest(film: &Film, description: &VertexTexture) -> Scene {
                 transform: DAffine3::IDENTITY,
                 mesh: Arc::new(mesh),
                 parent: None,
+                is_detail: false,
             }
         });
     Scene {

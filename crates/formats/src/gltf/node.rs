@@ -137,6 +137,7 @@ fn add_nodes(
             transform: placement.transform,
             mesh,
             parent,
+            is_detail: false,
         });
     }
     Ok(())

@@ -342,6 +342,7 @@ impl Reader<'_> {
                     transform,
                     mesh: Arc::new(mesh),
                     parent: None,
+                    is_detail: false,
                 });
             }
         }

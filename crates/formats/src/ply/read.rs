@@ -106,6 +106,7 @@ fn add_nodes(mut mesh: Mesh, faces: &FaceColumns, comments: &[String], scene: &m
         transform: DAffine3::IDENTITY,
         mesh: Arc::new(mesh),
         parent: None,
+        is_detail: false,
     };
     if parts.len() < 2 {
         let number = parts.keys().next().copied().unwrap_or(0);

@@ -86,6 +86,9 @@ parameters! {
             sliver_height: f64 = 0.6, number(Radius, 0.0, 20.0);
             /// Height of the fur of fine fibres on the tips.
             fibre_height: f64 = 0.08, number(Radius, 0.0, 5.0);
+            /// Strands of torn fibre on the broken face, along the sides of its splinters and on their edges: 0 none, 1 as many
+            /// as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out.
+            fuzz: f64 = 0.5, number(Fraction, 0.0, 1.0);
             /// Height of the steps between neighbouring rings where the wood breaks brittle. The
             /// shear-lag length of the species over the radius is its natural value.
             step_height: f64 = 0.15, number(Radius, 0.0, 20.0);
@@ -100,7 +103,7 @@ parameters! {
             bark_offset: f64 = 0.1, number(Radius, -20.0, 20.0);
             /// Height by which the strips of bark differ: some stand over the wood as flaps, some
             /// are peeled back from it.
-            bark_height: f64 = 0.3, number(Radius, 0.0, 20.0);
+            bark_height: f64 = 0.8, number(Radius, 0.0, 20.0);
             /// Strips that the bark tears into around the stem, along its furrows.
             bark_strips: u32 = 13, count(1, 200);
             /// Angle by which the upper piece turns about the bark of the compression side and

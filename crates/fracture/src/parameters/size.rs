@@ -14,6 +14,8 @@ const SLABS: (f64, f64) = (4.0, 40.0);
 const SLIVERS: (f64, f64) = (16.0, 600.0);
 /// Least and greatest number of strips of bark, likewise.
 const STRIPS: (f64, f64) = (6.0, 48.0);
+/// The tallest tongues of bark that the size of a stem leads to, radii: those of a thin one would else be longer than its splinters.
+const TALLEST_BARK: f64 = 1.2;
 /// Greatest factor on rings and on sectors of a thick stem, so that its slivers have bundles to show: a face has twice the
 /// triangles then. A twig keeps its own: what is seen from near shows them.
 const MAX_FINER: f64 = 1.4;
@@ -69,7 +71,7 @@ impl BreakParameters {
             step_height: self.step_height / root,
             compression_height: self.compression_height / root,
             bark_offset: self.bark_offset / root,
-            bark_height: self.bark_height / root,
+            bark_height: (self.bark_height / root).min(self.bark_height.max(TALLEST_BARK)),
             ..self.clone()
         }
     }

@@ -59,6 +59,7 @@ pub(super) const MODES: [Preset; 7] = [
             ("sliver_height", "0.1"),
             ("bundle_aspect", "2.5"),
             ("fibre_height", "0.012"),
+            ("fuzz", "0.1"),
             ("step_height", "0.06"),
             ("compression_shelf", "0"),
             ("bark_offset", "0.02"),

@@ -46,7 +46,7 @@ pub fn film_of_faces(
     faces.request.texture_width = options.texture_width;
     for one in &mut faces.request.breaks {
         // Pieces are where they were before anything moved.
-        (one.separation, one.fray) = (0.0, 0.0);
+        (one.separation, one.fray, one.recipe.face.fuzz) = (0.0, 0.0, 0.0);
         one.recipe.face.hang = Break::default().recipe.face.hang;
     }
     let broken = faces.broken(&cutting).map_err(|error| match error {

@@ -244,8 +244,7 @@ impl BreakSession {
         let (order, left_out) = self.order.resolve(&input.scene, request, &locating)?;
         (self.breaks).resize_with(order.len(), CachedBreak::default);
         self.left_out = left_out.into_iter().collect();
-        let mut finished: Vec<BreakPieces> = Vec::new();
-        let mut remaining: Option<(Arc<Scene>, u64)> = None;
+        let (mut finished, mut remaining) = (Vec::<BreakPieces>::new(), None::<(Arc<Scene>, u64)>);
         let count = order.len();
         for (at, placed) in order.into_iter().enumerate() {
             let [cutting, finishing] = breaking.item(at, count).split([(CUT, 3.0), (FINISH, 2.0)]);
@@ -276,6 +275,7 @@ impl BreakSession {
                         asked,
                         fray: requested.fray,
                         separation: requested.separation,
+                        most_triangles: requested.triangles,
                     };
                     finish(&stages, &options)
                 })?;

@@ -29,6 +29,7 @@ fn node(name: &str, mesh: Mesh, at: DVec3) -> Node {
         transform: DAffine3::from_translation(at),
         mesh: mesh.into(),
         parent: None,
+        is_detail: false,
     }
 }
 

@@ -13,6 +13,7 @@ fn board() -> Scene {
             transform: DAffine3::from_axis_angle(DVec3::X, 0.4),
             mesh: primitive::board(0.5, 0.06, 0.02).into(),
             parent: None,
+            is_detail: false,
         }],
         ..Scene::default()
     }

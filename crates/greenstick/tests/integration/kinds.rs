@@ -34,7 +34,7 @@ fn a_dowel_and_a_pole_have_no_bark() {
     rod.materials.clear();
     let rod = scene(rod, 1.0);
     for (kind, outside, barked) in [
-        (None, "bark", true),
+        (Some(StemKind::Round), "bark", true),
         (Some(StemKind::Dowel), "planed_wood", false),
         (Some(StemKind::Pole), "weathered_wood", false),
     ] {
@@ -45,7 +45,7 @@ fn a_dowel_and_a_pole_have_no_bark() {
         assert_eq!(report.place.kind, kind.map_or("round", StemKind::word));
         let parts: f64 = report.pieces.iter().map(|p| p.volume_m3.unwrap()).sum();
         assert!((parts / report.input.volume_m3.unwrap() - 1.0).abs() < 1e-6);
-        for node in &broken.scene.nodes {
+        for node in broken.scene.nodes.iter().filter(|n| !n.is_detail) {
             assert_eq!(node.mesh.check().self_intersections.unwrap().crossing, 0);
         }
         // The pith of a dowel lies beside it, that of a pole within.
@@ -97,7 +97,8 @@ fn tube(outer: f64, inner: f64, length: f64) -> Mesh {
 
 #[test]
 fn there_is_no_bark_in_the_bore_of_a_tube() {
-    let (broken, _) = broken(&scene(tube(0.05, 0.03, 0.6), 1.0), None);
+    let tube = scene(tube(0.05, 0.03, 0.6), 1.0);
+    let (broken, _) = broken(&tube, Some(StemKind::Round));
     let (mut in_bore, mut outside) = (0, 0);
     for node in &broken.scene.nodes {
         for (t, &material) in node.mesh.materials.iter().enumerate() {
@@ -112,4 +113,44 @@ fn there_is_no_bark_in_the_bore_of_a_tube() {
         }
     }
     assert!(in_bore > 100 && outside > 100, "{in_bore} {outside}");
+}
+
+#[test]
+fn plain_rods_are_dowels_or_poles_and_what_grew_has_bark() {
+    let plain = |radius: f64, length: f64| {
+        let mut rod = primitive::cylinder(radius, length, 48);
+        rod.materials.clear();
+        rod
+    };
+    // Moved point by point: a bend, a taper, and a surface that is out of round.
+    let moved = |move_to: &dyn Fn(DVec3) -> DVec3| {
+        let mut rod = primitive::cylinder_of(0.01, 0.4, 48, 40);
+        rod.materials.clear();
+        rod.positions.iter_mut().for_each(|p| *p = move_to(*p));
+        rod
+    };
+    let bent = moved(&|p| p + DVec3::X * (0.02 * (p.y / 0.4 * 3.0).sin()));
+    let tapered = moved(&|p| DVec3::new(p.x * (1.0 - 0.4 * p.y), p.y, p.z * (1.0 - 0.4 * p.y)));
+    let uneven = moved(&|p| DVec3::new(p.x * 1.05, p.y, p.z));
+    for (rod, kind) in [
+        (plain(0.01, 0.4), StemKind::Dowel),
+        (plain(0.06, 2.0), StemKind::Pole),
+        (plain(0.06, 0.3), StemKind::Round),
+        (bent, StemKind::Round),
+        (tapered, StemKind::Round),
+        (uneven, StemKind::Round),
+    ] {
+        let (broken, has_bark) = broken(&scene(rod, 1.0), None);
+        assert_eq!(broken.report.place.kind, kind.word());
+        assert_eq!(has_bark, kind == StemKind::Round);
+        let noted = broken.report.to_string().contains("taken for a");
+        assert_eq!(noted, kind != StemKind::Round);
+    }
+    // A texture could show bark.
+    let mut painted = scene(plain(0.01, 0.4), 1.0);
+    painted.nodes[0].mesh_mut().materials = vec![0; painted.nodes[0].mesh.triangles.len()];
+    let branch = greenstick::built_in_branch();
+    painted.materials = branch.materials;
+    (painted.textures, painted.images) = (branch.textures, branch.images);
+    assert_eq!(broken(&painted, None).0.report.place.kind, "round");
 }

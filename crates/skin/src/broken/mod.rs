@@ -205,7 +205,7 @@ impl Cutter<'_> {
     ) -> Result<BrokenFace, BreakError> {
         let (source, transform) = (self.stem.source(), self.stem.transform());
         let layers = (&self.stem.layers, self.stem.found.stem.radius);
-        let cut_along = |surface: &FractureSurface, depths: &[f64]| {
+        let cut_along = |surface: &FractureSurface, depths: &[spiral::LeastDepth]| {
             let (mut cut, chips) = self.cut(surface, workspace)?;
             let (repair, crossing) =
                 spiral::repair_spiral_face(&source, &mut cut, self.skin, layers, transform, depths);

@@ -62,6 +62,7 @@ pub fn collision(
             transform: DAffine3::IDENTITY,
             mesh: mesh.into(),
             parent: None,
+            is_detail: false,
         }));
     }
     Ok(Collision { scene, pieces })

@@ -69,6 +69,7 @@ impl Run {
                 transform: DAffine3::IDENTITY,
                 mesh: piece.mesh.transformed(&back).into(),
                 parent: None,
+                is_detail: false,
             })
             .collect();
         let swapped = self.name_pieces(&mut nodes, &skin.parts, &mut report);
@@ -77,6 +78,7 @@ impl Run {
                 name: part.name,
                 transform: DAffine3::IDENTITY,
                 mesh: part.mesh.into(),
+                is_detail: false,
                 parent: part
                     .carrier
                     .map(|carrier| match rest.carriers[carrier].piece {

@@ -39,6 +39,8 @@ pub struct Piece {
     pub role: PieceRole,
     /// Its mesh, in the coordinates of the node that was cut.
     pub mesh: Arc<Mesh>,
+    /// Strands of torn fibre on its broken face, in the same coordinates; none where there is no fuzz.
+    pub fuzz: Option<Arc<Mesh>>,
     /// Its motion in the world from where it was in the unbroken stem.
     pub motion: DAffine3,
 }

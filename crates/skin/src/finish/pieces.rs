@@ -1,18 +1,21 @@
 //! Separate pieces of a break: frayed, hung, and rounded to the precision of files.
 
+use super::budget::added_triangles;
 use super::notes::{notes_on_cracks, notes_up_to_the_cut};
 use super::parting::parting;
 use super::piece::{Piece, PieceRole, Pieces};
 use crate::error::BreakError;
 use crate::fray::FrayedBreak;
+use crate::fuzz::{FuzzOptions, fuzz};
 use crate::hang::hang;
 use crate::report::{BreakNote, PieceReport};
 use crate::stages::{BreakStages, has_spiral_grain};
 use glam::DAffine3;
-use greenstick_fracture::parameters::BreakParameters;
+use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
 use greenstick_geometry::Mesh;
 use greenstick_geometry::repair::round_to_f32;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Triangles up to which pieces are written at the same time: with more, the memory that it takes counts more than the time.
 const MOST_AT_ONCE: usize = 2_000_000;
@@ -28,6 +31,8 @@ pub struct FinishOptions<'a> {
     pub fray: f64,
     /// How far the pieces are moved apart, m.
     pub separation: f64,
+    /// The most triangles that the pieces may have beyond those of the stem, if there is a limit. Fuzz takes what they leave.
+    pub most_triangles: Option<u32>,
 }
 
 /// Makes the pieces of a break from its stages up to the cut.
@@ -108,6 +113,7 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         notes,
     };
     made.write_meshes(stages, meshes);
+    made.add_fuzz(stages, options.most_triangles);
     made.notes.extend(notes_on_cracks(stages));
     Ok(made)
 }
@@ -148,6 +154,7 @@ impl Pieces {
                 triangles: mesh.triangles.len(),
                 volume_m3: rounded.volume.map(|v| v * scale),
                 closed: rounded.closed,
+                fuzz_triangles: 0,
             };
             (role, mesh, motion, rounded.collapsed, report)
         };
@@ -169,8 +176,44 @@ impl Pieces {
             self.pieces.push(Piece {
                 role,
                 mesh: mesh.into(),
+                fuzz: None,
                 motion,
             });
+        }
+    }
+
+    /// Adds the fuzz of both halves, as far as `most` triangles beyond those of the stem leave room for it.
+    fn add_fuzz(&mut self, stages: &BreakStages, most: Option<u32>) {
+        let (stem, p) = (stages.stem.stem(), &stages.stem.face);
+        if p.fuzz == 0.0 || p.surface == SurfaceStyle::Smooth {
+            return;
+        }
+        let room = most.map_or(usize::MAX, |most| {
+            (most as usize).saturating_sub(added_triangles(stages, self))
+        });
+        let of_half = |piece: &Piece| {
+            let upper = match piece.role {
+                PieceRole::Lower => false,
+                PieceRole::Upper => true,
+                PieceRole::Segment(_) | PieceRole::Splinter(_) => return None,
+            };
+            let options = FuzzOptions {
+                amount: p.fuzz,
+                most_triangles: room / 2,
+                upper,
+                material: stages.stem.inner_material,
+                stem: &stem.found.stem,
+                square: stem.square,
+                units_per_metre: 1.0 / stem.volume_scale().cbrt(),
+                seed: p.seed,
+            };
+            let made = fuzz(&piece.mesh, &options);
+            (!made.triangles.is_empty()).then(|| Arc::new(made))
+        };
+        let made: Vec<_> = self.pieces.par_iter().map(of_half).collect();
+        for ((piece, report), fuzz) in self.pieces.iter_mut().zip(&mut self.reports).zip(made) {
+            report.fuzz_triangles = fuzz.as_ref().map_or(0, |mesh| mesh.triangles.len());
+            piece.fuzz = fuzz;
         }
     }
 }

@@ -20,8 +20,9 @@ pub struct BreakInput {
 }
 
 impl BreakInput {
-    /// Measures a scene.
-    pub fn new(scene: Scene) -> Self {
+    /// Measures a scene. The strands on faces that were broken before are left out: they are no wood that could be broken.
+    pub fn new(mut scene: Scene) -> Self {
+        leave_out_details(&mut scene);
         let triangles = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
         let area_m2 = scene
             .nodes
@@ -34,6 +35,32 @@ impl BreakInput {
             area_m2,
         }
     }
+}
+
+/// Removes the nodes of a scene that only add to the looks of others, and says so in its notes.
+fn leave_out_details(scene: &mut Scene) {
+    let details = scene.nodes.iter().filter(|n| n.is_detail).count();
+    if details == 0 {
+        return;
+    }
+    // Where each node comes to be.
+    let mut kept = 0;
+    let places: Vec<Option<usize>> = (scene.nodes.iter())
+        .map(|node| {
+            let place = (!node.is_detail).then_some(kept);
+            kept += usize::from(!node.is_detail);
+            place
+        })
+        .collect();
+    scene.nodes.retain(|node| !node.is_detail);
+    for node in &mut scene.nodes {
+        node.parent = node
+            .parent
+            .and_then(|parent| places.get(parent).copied().flatten());
+    }
+    scene.notes.push(format!(
+        "{details} meshes of torn fibre on earlier breaks were left out"
+    ));
 }
 
 /// Returns the notes on all breaks, in the order of the request, and those on places that were left out.

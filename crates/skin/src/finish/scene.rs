@@ -6,13 +6,16 @@ use crate::prepared::PreparedStem;
 use crate::report::PieceReport;
 use crate::stages::BreakStages;
 use glam::DAffine3;
-use greenstick_geometry::{Node, Scene};
+use greenstick_geometry::{Mesh, Node, Scene};
+use std::sync::Arc;
 
 /// The role of a node in a broken scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NodeRole {
     /// A piece of the stem that was broken.
     Piece(PieceRole),
+    /// Strands of torn fibre on the broken face of a piece.
+    Fuzz(PieceRole),
     /// Wood or leaves that hang beyond the break and move with the upper piece.
     Carried,
     /// Wood that the break did not touch.
@@ -97,13 +100,15 @@ struct PlacedPiece<'a> {
     /// Its motion in the world, those of all breaks nearer to the base included.
     motion: DAffine3,
     role: PieceRole,
+    /// The strands on its broken faces: one mesh for each face that has any.
+    fuzz: Vec<&'a Arc<Mesh>>,
 }
 
 /// Orders the pieces of breaks, which are given as they were made: from the base upwards, then splinters.
 fn placed<'a>(breaks: &[FinishedBreak<'a>]) -> Vec<PlacedPiece<'a>> {
     let several = breaks.len() > 1;
     let mut below = DAffine3::IDENTITY;
-    let (mut segments, mut splinters) = (Vec::new(), Vec::new());
+    let (mut segments, mut splinters) = (Vec::<PlacedPiece>::new(), Vec::new());
     for (break_index, one) in breaks.iter().enumerate().rev() {
         let mut beyond = below;
         for (piece, report) in one.pieces.pieces.iter().zip(&one.pieces.reports) {
@@ -114,11 +119,17 @@ fn placed<'a>(breaks: &[FinishedBreak<'a>]) -> Vec<PlacedPiece<'a>> {
                 break_index,
                 motion,
                 role,
+                fuzz: piece.fuzz.iter().collect(),
             };
             match piece.role {
                 PieceRole::Splinter(_) => splinters.push(placed(piece.role)),
-                // Of several breaks the lower piece is that of the one nearest to the base.
-                PieceRole::Lower if break_index + 1 < breaks.len() => {}
+                // Of several breaks the lower piece is that of the one nearest to the base. Of the others it is the far end of
+                // the piece below.
+                PieceRole::Lower if break_index + 1 < breaks.len() => {
+                    if let Some(below) = segments.last_mut() {
+                        below.fuzz.extend(&piece.fuzz);
+                    }
+                }
                 _ if several => segments.push(placed(PieceRole::Segment(segments.len()))),
                 role => segments.push(placed(role)),
             }
@@ -152,6 +163,7 @@ pub fn assemble(breaks: &[FinishedBreak]) -> AssembledBreaks {
     out.scene.images.clone_from(&scene.images);
     // Node and motion of the piece beyond each break.
     let mut upper = vec![(0, DAffine3::IDENTITY); breaks.len()];
+    let mut fuzz = Vec::new();
     for placed in placed(breaks) {
         if placed.piece.role == PieceRole::Upper {
             upper[placed.break_index] = (out.scene.nodes.len(), placed.motion);
@@ -160,6 +172,14 @@ pub fn assemble(breaks: &[FinishedBreak]) -> AssembledBreaks {
         let transform = placed.motion * *stem.transform();
         let mesh = placed.piece.mesh.clone();
         let node = Node::new(placed.role.name(), transform, mesh);
+        for mesh in placed.fuzz {
+            let node = Node {
+                parent: Some(out.scene.nodes.len()),
+                is_detail: true,
+                ..Node::new(format!("{}_fuzz", node.name), transform, mesh.clone())
+            };
+            fuzz.push((node, placed.role));
+        }
         out.push(node, NodeRole::Piece(placed.role));
     }
     for (one, (node, motion)) in breaks.iter().zip(upper) {
@@ -176,6 +196,9 @@ pub fn assemble(breaks: &[FinishedBreak]) -> AssembledBreaks {
             };
             out.push(carried, NodeRole::Carried);
         }
+    }
+    for (node, role) in fuzz {
+        out.push(node, NodeRole::Fuzz(role));
     }
     let moved = moved_triangles(last.stages);
     for node in untouched(last.stages.stem.stem(), &moved) {

@@ -3,6 +3,7 @@
 mod ends;
 mod extent;
 mod levels;
+mod local_origin;
 mod measured;
 mod neighbours;
 mod orientation;
@@ -18,6 +19,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::cut::{CutError, Skin, Solid};
 use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_fracture::recipe::Recipe;
+use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::repair::{self, KnownPositions};
 use greenstick_geometry::{Context, Node, Scene};
 use greenstick_wood::appearance::{EndSection, WoodAppearance};
@@ -115,6 +117,23 @@ impl PreparedStem {
         let seams = repair::close_seams_of_scene(&mut scene);
         let (meshes, along) = (scene.world_meshes(), neighbours.along());
         let mut found = find_stem_along(&meshes, location, options, along, context)?;
+        // What is left of a stem that was broken before is no whole rod; it stays what it was taken for.
+        if along.is_none()
+            && options.kind.is_none()
+            && has_plain_surface(&scene, found.node)
+            && let Some(kind) = found.stem.plain_kind()
+        {
+            let options = StemOptions {
+                kind: Some(kind),
+                ..options.clone()
+            };
+            found = find_stem_along(&meshes, location, &options, along, context)?;
+            found.notes.push(format!(
+                "the stem is round, straight and of one thickness, without a texture: it was taken for a {} without bark; of \
+                 the kind \"round\" it has bark",
+                kind.word()
+            ));
+        }
         found.notes.splice(0..0, seams);
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
@@ -206,7 +225,8 @@ impl PreparedStem {
     }
 
     /// The same stem with grain that spirals about its axis by `turn` (rad per m) between two lengths (m), by `per_level` (rad)
-    /// at most from one level to the next.
+    /// at most from one level to the next. The origin of the node that will be cut moves to the break: closely wound walls are
+    /// parted by little more than the spacing of positions in files.
     pub fn with_spiral_grain(
         &self,
         turn: f64,
@@ -214,7 +234,11 @@ impl PreparedStem {
         per_level: f64,
     ) -> PreparedStem {
         let layers = self.layers.clone().with_spiral(turn, between, per_level);
-        let mut made = PreparedStem::from_found(self.scene.clone(), self.found.clone(), layers);
+        let mut scene = self.scene.clone();
+        let stem = &self.found.stem;
+        let at = stem.grain.axis().frame(stem.location).origin;
+        local_origin::move_origin(&mut scene.nodes[self.found.node], at);
+        let mut made = PreparedStem::from_found(scene, self.found.clone(), layers);
         made.shell_triangles = self.shell_triangles;
         made.parts = made.parts.after(&self.parts);
         made
@@ -351,6 +375,16 @@ impl PreparedStem {
             at: self.layers.to_world(at),
         }
     }
+}
+
+/// Returns whether a node has neither colours nor textures: nothing by which it could show bark.
+fn has_plain_surface(scene: &Scene, node: usize) -> bool {
+    let mesh = &scene.nodes[node].mesh;
+    let is_plain = |&number: &u32| {
+        let material = scene.materials.get(number as usize);
+        number == NO_MATERIAL || material.is_some_and(|m| m.base_color_texture.is_none())
+    };
+    !mesh.attributes.contains_key("COLOR_0") && mesh.materials.iter().all(is_plain)
 }
 
 /// Cubic metres per cubic unit of a node's coordinates.

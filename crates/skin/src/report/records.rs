@@ -101,6 +101,14 @@ pub struct PieceReport {
     pub volume_m3: Option<f64>,
     /// Whether it is closed.
     pub closed: bool,
+    /// Triangles of its fuzz, a mesh of its own that the other figures leave out.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub fuzz_triangles: usize,
+}
+
+/// Returns whether a piece has no fuzz, which its report then leaves out.
+fn is_zero(triangles: &usize) -> bool {
+    *triangles == 0
 }
 
 /// The report on a break.
@@ -193,9 +201,13 @@ impl fmt::Display for BreakReport {
                 None if piece.closed => "closed".to_owned(),
                 None => "open".to_owned(),
             };
+            let fuzz = match piece.fuzz_triangles {
+                0 => String::new(),
+                triangles => format!(", and {triangles} of fuzz"),
+            };
             writeln!(
                 f,
-                "piece    {}: {} triangles, {inside}",
+                "piece    {}: {} triangles, {inside}{fuzz}",
                 one_line(&piece.name),
                 piece.triangles
             )?;

@@ -8,9 +8,10 @@ use std::f64::consts::TAU;
 const SPIRAL_MARGIN: f64 = 0.5;
 
 /// How far spiral grain turns from one level to the next, in widths of the outermost bundles. Between levels triangles are
-/// straight and off the grain by turn² / 8 radii: here by some per cent of a bundle's width, which is about as far as its
-/// walls are apart. Closer levels cost triangles, which grow as their number.
-const LEVEL_PER_BUNDLE: f64 = 1.5;
+/// straight and off the grain by turn² / 8 radii: here by less than a tenth of a bundle's width. Closer levels cost triangles, which
+/// grow as their number, and what closely wound walls have in common with their neighbours is cut into more of them, all of which
+/// cross.
+const LEVEL_PER_BUNDLE: f64 = 2.5;
 /// The least and the greatest turn from one level to the next, rad: closer ones gain nothing, farther ones look angular.
 const TURNS_PER_LEVEL: (f64, f64) = (0.07, 0.35);
 

@@ -200,7 +200,13 @@ impl Baker<'_> {
         end_grain: f64,
         memory: &mut NoiseMemory,
     ) -> WoodSurface {
-        let point = WoodPoint { address, end_grain };
+        // Side grain is shown as it lies in the plane through the pith.
+        let facing = self.outwards.perp() * (1.0 - end_grain);
+        let point = WoodPoint {
+            address,
+            end_grain,
+            facing,
+        };
         appearance.surface_in_row(self.wood.rings, &point, self.texel, memory)
     }
 }
@@ -351,6 +357,7 @@ mod tests {
             let at = WoodPoint {
                 address,
                 end_grain: 0.0,
+                facing: DVec2::Y,
             };
             let alone = wood.surface_at(&rings, &at, 1e-5);
             assert_eq!(wood.surface_in_row(&rings, &at, 1e-5, &mut memory), alone);

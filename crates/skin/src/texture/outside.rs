@@ -95,6 +95,7 @@ pub fn bake_planed(
             let point = WoodPoint {
                 address,
                 end_grain: 0.0,
+                facing: direction.perp(),
             };
             let mut surface = appearance.surface_in_row(wood.rings, &point, texel, &mut memory);
             if weather {

@@ -76,7 +76,7 @@ impl BreakView<'_> {
                 is_upper: *role == PieceRole::Upper,
                 is_splinter: matches!(role, PieceRole::Splinter(_)),
             }),
-            NodeRole::Carried | NodeRole::Untouched => None,
+            NodeRole::Fuzz(_) | NodeRole::Carried | NodeRole::Untouched => None,
         });
         let mut points = Vec::new();
         for piece in pieces {
@@ -173,10 +173,12 @@ impl BreakView<'_> {
         let mut scene = broken.clone();
         for (node, role) in scene.nodes.iter_mut().zip(roles) {
             match role {
-                NodeRole::Piece(PieceRole::Upper) | NodeRole::Carried => {
+                NodeRole::Piece(PieceRole::Upper)
+                | NodeRole::Fuzz(PieceRole::Upper)
+                | NodeRole::Carried => {
                     node.transform = about * node.transform;
                 }
-                NodeRole::Piece(_) => {}
+                NodeRole::Piece(_) | NodeRole::Fuzz(_) => {}
                 // It would hide the faces.
                 NodeRole::Untouched => node.mesh = Arc::default(),
             }

@@ -166,8 +166,10 @@ fn whatever_breaks_pieces_are_solids_that_fill_the_wood() {
             let case = format!("seed {seed}, {}: {report}", piece.name);
             assert!(report.closed && report.oriented, "{case}");
             let own = report.self_intersections.as_ref().map_or(0, |s| s.crossing);
-            // A crack's sides lie a hair apart, and where many sheets meet in a vertex some still pass through each other.
-            assert!(own * 10 < piece.mesh.triangles.len(), "{case}");
+            // A crack's sides lie a hair apart, and where many sheets meet in a vertex some still pass through each other; what
+            // came off, down to slivers of a few hundred triangles, is sound.
+            let is_largest = piece.name == made.pieces[0].name;
+            assert!(is_largest || own == 0, "{case}");
             crossing += own;
             triangles += piece.mesh.triangles.len();
             sum += report.volume_m3.unwrap();

@@ -40,6 +40,7 @@ pub fn film(joints: usize, rings: usize, influences: usize) -> Film {
         transform,
         mesh: super::cube().into(),
         parent: None,
+        is_detail: false,
     };
     Film {
         joints: rest_joints(joints),

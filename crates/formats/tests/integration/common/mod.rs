@@ -146,6 +146,7 @@ pub fn two_cubes() -> Scene {
         transform,
         mesh: cube().into(),
         parent,
+        is_detail: false,
     };
     let png = png_pixel();
     let image = |name: &str, mime_type: &str, source| Image {

@@ -27,10 +27,25 @@ use std::collections::BTreeSet;
 
 /// Rounds in which what crosses is bisected and moved.
 const ROUNDS: usize = 8;
-/// Depths below the skin, radii, that vertices within the wood lie at least at, in the order they are tried: more than the
-/// spacing of `f32`, so that wood between the two stays, and less than the depth at which neighbours of a vertex would
-/// have to be moved too. No one depth serves all shapes; what neither serves is levelled, which takes no longer than a third.
-const LEAST_DEPTHS_RADII: [f64; 2] = [3e-5, 1e-5];
+/// Depths below the skin that vertices within the wood lie at least at, in the order they are tried, in radii and in spacings of
+/// the positions that files hold, whichever is more: so that wood between the two stays, and less than the depth at which
+/// neighbours of a vertex would have to be moved too. No one depth serves all shapes; what neither serves is levelled, which
+/// takes no longer than a third.
+pub const LEAST_DEPTHS: [LeastDepth; 2] = [
+    LeastDepth {
+        radii: 5e-4,
+        spacings: 400.0,
+    },
+    LeastDepth {
+        radii: 1.5e-4,
+        spacings: 120.0,
+    },
+];
+/// The greatest depth below the skin that a vertex in the middle of an edge is moved to for its own sake, as a part of the edge's
+/// length: deeper ones would stand out as spikes, and cross those beside them.
+const MOST_DEPTH_PER_LENGTH: f64 = 0.03;
+/// The shortest edges from outline to outline that are bisected, in spacings of the positions that files hold.
+const SHORTEST_CHORD: f64 = 8.0;
 /// An attempt is given up once this many times as many pairs cross as at its best, or after [`PATIENCE`] rounds in which
 /// they did not become fewer: bisecting again what moving has not freed makes ever more, ever smaller triangles.
 const GROWTH: usize = 4;
@@ -42,6 +57,15 @@ const MAX_TANGLED: f64 = 0.02;
 const MAX_MOVE_RADII: f64 = 5e-3;
 /// By how much positions in `f32` may lie off, radii: those of stems 10 radii long and more.
 const ROUNDING_RADII: f64 = 1e-6;
+
+/// A depth below the skin, the greater of two.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeastDepth {
+    /// In radii of the stem.
+    radii: f64,
+    /// In distances between neighbouring positions in files.
+    spacings: f64,
+}
 
 /// What was done to a broken face in spiral grain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -63,6 +87,9 @@ pub struct SpiralRepair {
 /// How many cells around what crosses are levelled, each time that something still does.
 const LEVELLED_AROUND: [usize; 4] = [1, 2, 4, 8];
 
+/// A cut of a surface, what was done to its face, and the cells about what still crosses.
+type Attempt<T> = (T, SpiralRepair, Vec<u32>);
+
 /// Cuts a stem along `surface` by `cut_along`, which also repairs the face, at the depths given, and returns the cells about what
 /// still crosses, and levels the surface there until nothing does. Returns the best of the cuts.
 ///
@@ -70,9 +97,9 @@ const LEVELLED_AROUND: [usize; 4] = [1, 2, 4, 8];
 /// Those of `cut_along` with the surface as it is; one that fails once it is levelled is left out.
 pub fn cut_and_level<T, E>(
     surface: &FractureSurface,
-    mut cut_along: impl FnMut(&FractureSurface, &[f64]) -> Result<(T, SpiralRepair, Vec<u32>), E>,
+    mut cut_along: impl FnMut(&FractureSurface, &[LeastDepth]) -> Result<Attempt<T>, E>,
 ) -> Result<(T, SpiralRepair), E> {
-    let (mut best, mut done, mut crossing) = cut_along(surface, &LEAST_DEPTHS_RADII)?;
+    let (mut best, mut done, mut crossing) = cut_along(surface, &LEAST_DEPTHS)?;
     let mut cells = BTreeSet::new();
     for around in LEVELLED_AROUND {
         if done.remaining == 0 {
@@ -85,7 +112,7 @@ pub fn cut_and_level<T, E>(
         cells.extend(about);
         // One depth: what it leaves is levelled farther around, which is quicker than to try another.
         let level = levelled::levelled(surface, &cells);
-        let Ok((other, repair, cells_about)) = cut_along(&level, &LEAST_DEPTHS_RADII[..1]) else {
+        let Ok((other, repair, cells_about)) = cut_along(&level, &LEAST_DEPTHS[..1]) else {
             break;
         };
         crossing = cells_about;
@@ -115,27 +142,38 @@ struct Face<'a> {
     rim: u32,
     /// By how much rounded positions may lie off their grain coordinates, m.
     margin: f64,
+    /// How far apart neighbouring positions in files are, at most, in the mesh's unit.
+    spacing: f64,
 }
 
 /// Removes the self-intersections of the face of `cut`. `skin` is the sorted skin that was cut; `layers` are those of the
-/// stem, whose radius is given in m and to whose world `transform` leads; of the least `depths` below the skin (radii) the best
-/// is taken. Also returns the cells of what still crosses.
+/// stem, whose radius is given in m and to whose world `transform` leads; of the least `depths` below the skin the best is taken.
+/// Also returns the cells of what still crosses.
 pub fn repair_spiral_face(
     source: &Source,
     cut: &mut Cut,
     skin: &Skin,
     (layers, radius): (&LayeredGrain, f64),
     transform: &DAffine3,
-    depths: &[f64],
+    depths: &[LeastDepth],
 ) -> (SpiralRepair, Vec<u32>) {
     let to_grain = |p| layers.to_grain(transform.transform_point3(p));
     let points = (source.vertices[..cut.points].iter()).map(|&v| source.mesh.positions[v as usize]);
     let corners = |triangle: u32| source.mesh.corners(triangle as usize);
     part_equal_positions(&points.collect::<Vec<_>>(), &corners, &mut cut.vertices);
-    let attempt = |depth: f64| {
+    let farthest = (cut.vertices.iter())
+        .map(|v| {
+            transform
+                .inverse()
+                .transform_point3(layers.to_world(v.grain))
+        })
+        .fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
+    let spacing = f64::from(f32::EPSILON) * farthest;
+    let attempt = |depth: LeastDepth| {
         let mut repaired = cut.clone();
-        let depths = (radius, depth * radius);
-        let mut face = Face::new(source, &mut repaired, skin, depths, &to_grain);
+        let depth = (depth.radii * radius).max(depth.spacings * spacing);
+        let lengths = (radius, depth, spacing);
+        let mut face = Face::new(source, &mut repaired, skin, lengths, &to_grain);
         (face.repair(layers, radius), repaired)
     };
     let mut best: Option<((SpiralRepair, Vec<u32>), Cut)> = None;
@@ -161,7 +199,7 @@ impl<'a> Face<'a> {
         source: &Source<'a>,
         cut: &'a mut Cut,
         skin: &Skin,
-        (radius, least_depth): (f64, f64),
+        (radius, least_depth, spacing): (f64, f64, f64),
         to_grain: &'a dyn Fn(DVec3) -> DVec3,
     ) -> Self {
         let placement = Placement::new(*source, cut, skin, (radius, least_depth));
@@ -188,7 +226,7 @@ impl<'a> Face<'a> {
         straight.extend(cut.vertices.iter().map(|v| v.grain));
         straight.extend(cut.inside.iter().copied());
         for &g in &cut.inside {
-            let (place, at) = placed(placement.place(g), to_grain);
+            let (place, at) = placed(placement.place(g, f64::INFINITY), to_grain);
             positions.push(place);
             grain.push(at);
         }
@@ -209,6 +247,7 @@ impl<'a> Face<'a> {
             to_grain,
             rim,
             margin: ROUNDING_RADII * radius,
+            spacing,
         }
     }
 
@@ -240,9 +279,10 @@ impl<'a> Face<'a> {
         (done, of_face.map(|face| face.cell).collect())
     }
 
-    /// Adds a vertex within the wood at grain coordinates in which the skin is straight.
-    fn push(&mut self, straight: DVec3) {
-        let (place, grain) = placed(self.placement.place(straight), self.to_grain);
+    /// Adds a vertex within the wood, in the middle of an edge of the given length, at grain coordinates in which the skin is straight.
+    fn push(&mut self, straight: DVec3, length: f64) {
+        let most = MOST_DEPTH_PER_LENGTH * length;
+        let (place, grain) = placed(self.placement.place(straight, most), self.to_grain);
         self.positions.push(place);
         self.grain.push(grain);
         self.straight.push(straight);
@@ -339,10 +379,11 @@ impl<'a> Face<'a> {
                 stuck * positions[a as usize].distance(positions[b as usize])
             };
             let four = bisector.bisect(t, &length, &mut |a, b| {
-                made.push((straight[a as usize] + straight[b as usize]) / 2.0);
+                let length = positions[a as usize].distance(positions[b as usize]);
+                made.push(((straight[a as usize] + straight[b as usize]) / 2.0, length));
                 first + made.len() as u32 - 1
             });
-            made.into_iter().for_each(|g| self.push(g));
+            made.into_iter().for_each(|(g, l)| self.push(g, l));
             if let Some(four) = four {
                 done.bisected += 1;
                 changed.resize(bisector.triangles.len(), true);
@@ -382,18 +423,22 @@ impl<'a> Face<'a> {
             let first = self.positions.len() as u32;
             let (straight, placement, rim) = (&self.straight, &self.placement, self.rim);
             let middle = |a: u32, b: u32| (straight[a as usize] + straight[b as usize]) / 2.0;
-            let is_chord =
-                |a: u32, b: u32| a < rim && b < rim && placement.is_shallow(middle(a, b));
+            let positions = &self.positions;
+            let length = |a: u32, b: u32| positions[a as usize].distance(positions[b as usize]);
+            let least = SHORTEST_CHORD * self.spacing;
+            let is_chord = |a: u32, b: u32| {
+                a < rim && b < rim && length(a, b) > least && placement.is_shallow(middle(a, b))
+            };
             if !bisector.has_shared_edge(t, &is_chord) {
                 continue;
             }
             let mut made = Vec::new();
             let chords_first = |a: u32, b: u32| f64::from(u8::from(is_chord(a, b)));
             let four = bisector.bisect(t, &chords_first, &mut |a, b| {
-                made.push(middle(a, b));
+                made.push((middle(a, b), length(a, b)));
                 first + made.len() as u32 - 1
             });
-            made.into_iter().for_each(|g| self.push(g));
+            made.into_iter().for_each(|(g, l)| self.push(g, l));
             if let Some(four) = four {
                 done.bisected += 1;
                 stack.extend(four);

@@ -62,8 +62,10 @@ impl<'a> Placement<'a> {
         }
     }
 
-    /// Returns the position of a vertex within the wood, in the node's coordinates.
-    pub fn place(&self, grain: DVec3) -> DVec3 {
+    /// Returns the position of a vertex within the wood, in the node's coordinates. It is moved to the least depth below the skin, or
+    /// to the depth `most` (m) where that is less.
+    pub fn place(&self, grain: DVec3, most: f64) -> DVec3 {
+        let least_depth = self.least_depth.min(most);
         let chart = self.source.chart;
         let on = |t: usize| closest_point_on_triangle(grain, self.grain[t]);
         let squared = |t: usize| on(t).distance_squared(grain);
@@ -77,12 +79,12 @@ impl<'a> Placement<'a> {
         let skin: DVec3 = (0..3).map(|k| self.places[t][k] * w[k]).sum();
         let nearness = 1.0 - squared / (self.fade * self.fade);
         let place = place + (skin - chart.to_world(nearest)) * (nearness * nearness);
-        if distance >= self.least_depth {
+        if distance >= least_depth {
             return place;
         }
         let [a, b, c] = self.places[t];
         let inwards = -(b - a).cross(c - a).normalize_or_zero();
-        place + inwards * (self.least_depth - (place - skin).dot(inwards)).max(0.0)
+        place + inwards * (least_depth - (place - skin).dot(inwards)).max(0.0)
     }
 
     /// Whether a point within the wood is so close to the skin that it is moved away from it.

@@ -58,7 +58,7 @@ impl DrawnScene<'_> {
             NodeRole::Piece(PieceRole::Lower) => Part::Piece(0),
             NodeRole::Piece(PieceRole::Upper) => Part::Piece(1),
             NodeRole::Piece(PieceRole::Segment(number)) => Part::Piece(number),
-            NodeRole::Carried => match self.scene.nodes[node].parent {
+            NodeRole::Fuzz(_) | NodeRole::Carried => match self.scene.nodes[node].parent {
                 Some(parent) => match self.part(parent) {
                     Part::Piece(piece) | Part::With(piece) => Part::With(piece),
                     Part::Nearest => Part::Nearest,

@@ -1,0 +1,195 @@
+//! Fuzz: strands of torn fibre beside the pieces, which change neither the solids nor their budget.
+
+use greenstick::formats::{Format, LengthUnit, read};
+use greenstick::fracture::recipe::Recipe;
+use greenstick::geometry::{CheckOptions, Context, Mesh, Node};
+use greenstick::session::{NodeRole, PieceRole};
+use greenstick::{Break, BreakRequest, Broken, break_scene, built_in_branch, files};
+use std::path::Path;
+
+fn broken(preset: &str, settings: &[&str], triangles: Option<u32>) -> Broken {
+    let presets: &[&str] = if preset.is_empty() { &[] } else { &[preset] };
+    let request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::single(Break {
+            recipe: Recipe::resolve(presets, None, settings).unwrap(),
+            triangles,
+            ..Break::default()
+        })
+    };
+    break_scene(built_in_branch(), &request, &Context::quiet()).unwrap()
+}
+
+fn fuzz(broken: &Broken) -> Vec<&Node> {
+    let nodes = broken.scene.nodes.iter();
+    nodes.filter(|n| n.is_detail).collect()
+}
+
+fn triangles(broken: &Broken) -> usize {
+    fuzz(broken).iter().map(|n| n.mesh.triangles.len()).sum()
+}
+
+#[test]
+fn strands_are_closed_thin_and_beside_the_pieces() {
+    let (made, bare) = (broken("", &[], None), broken("", &["fuzz=0"], None));
+    assert!(fuzz(&bare).is_empty());
+    let names: Vec<&str> = fuzz(&made).iter().map(|n| n.name.as_str()).collect();
+    assert_eq!(names, ["lower_fuzz", "upper_fuzz"]);
+    for (i, role) in [PieceRole::Lower, PieceRole::Upper].into_iter().enumerate() {
+        let (piece, node) = (&made.scene.nodes[i], fuzz(&made)[i]);
+        // The solid is what it is without fuzz.
+        assert!(piece.mesh == bare.scene.nodes[i].mesh);
+        assert_eq!(node.parent, Some(i));
+        assert_eq!(made.roles[i + 2], NodeRole::Fuzz(role));
+        let report = &made.report.pieces[i];
+        assert_eq!(report.fuzz_triangles, node.mesh.triangles.len());
+        assert!(report.fuzz_triangles > 5_000, "{}", report.fuzz_triangles);
+        assert!(report.fuzz_triangles < report.triangles);
+        let options = CheckOptions {
+            self_intersections: false,
+        };
+        let check = node.mesh.check_with(options);
+        assert!(check.closed && check.oriented, "{check}");
+        let share = node.mesh.volume() / piece.mesh.volume();
+        assert!(share > 0.0 && share < 1e-3, "{share}");
+    }
+}
+
+/// Mean over the triangles of a mesh, by their area, of the cosine of their normals to an axis, squared.
+fn across(mesh: &Mesh, axis: glam::DVec3) -> f64 {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for t in 0..mesh.triangles.len() {
+        let [a, b, c] = mesh.corners(t);
+        let normal = (b - a).cross(c - a);
+        let own = normal.length();
+        if own > 0.0 {
+            sum += normal.dot(axis).powi(2) / own;
+            area += own;
+        }
+    }
+    sum / area
+}
+
+#[test]
+fn strands_run_along_the_grain_within_the_bark() {
+    let made = broken("", &[], None);
+    let wood = &made.woods[0];
+    let axis = wood.stem.grain.axis().frame(wood.stem.location).tangent;
+    for node in fuzz(&made) {
+        // Sides of what runs along an axis face away from it: of strands in all directions it would be a third.
+        let share = across(&node.mesh, axis);
+        assert!(share < 0.1, "{share}");
+        let rings = &node.mesh.attributes["_RING"];
+        for (v, &p) in node.mesh.positions.iter().enumerate() {
+            let grain = wood.stem.grain.to_grain(node.transform.transform_point3(p));
+            let ring = wood.stem.rings.address(grain.truncate()).0;
+            // No farther out than near the bark, or where it begins, but for its width.
+            let begins = f64::from(rings.at(v)[0]);
+            assert!(
+                ring < begins.max(0.975) + 0.02,
+                "{}: {ring}, {begins}",
+                node.name
+            );
+        }
+    }
+}
+
+#[test]
+fn the_same_seed_gives_the_same_strands_and_torn_wood_has_more_than_brash() {
+    let one = broken("splintering-tension", &["seed=3"], None);
+    let again = broken("splintering-tension", &["seed=3"], None);
+    assert!(one.scene == again.scene);
+    let other = broken("splintering-tension", &["seed=4"], None);
+    assert!(fuzz(&one)[0].mesh != fuzz(&other)[0].mesh);
+    let brash = broken("brash", &["fuzz=0.5", "seed=3"], None);
+    assert!(
+        triangles(&brash) * 3 < triangles(&one),
+        "{}",
+        triangles(&brash)
+    );
+    assert!(fuzz(&broken("", &["surface=smooth"], None)).is_empty());
+}
+
+#[test]
+fn a_budget_holds_with_strands() {
+    for most in [9_000, 30_000] {
+        let made = broken("", &[], Some(most));
+        let solids: usize = made.report.pieces.iter().map(|p| p.triangles).sum();
+        let added = solids + triangles(&made) - made.report.input.triangles;
+        assert!(added <= most as usize, "{most}: {added}");
+    }
+}
+
+#[test]
+fn files_of_one_mesh_hold_the_solids_alone() {
+    let made = broken("", &["rings=10", "sectors=24"], None);
+    let solids: usize = made.report.pieces.iter().map(|p| p.triangles).sum();
+    let all = solids + triangles(&made);
+    assert!(all > solids);
+    for (name, format, count) in [
+        ("a.stl", Format::Stl, solids),
+        ("a.ply", Format::Ply, solids),
+        ("a.off", Format::Off, solids),
+        ("a.obj", Format::Obj, all),
+        ("a.glb", Format::Glb, all),
+    ] {
+        let outputs = files::encode(&made.scene, Path::new(name), LengthUnit::Metre).unwrap();
+        let companion = |wanted: &str| {
+            let found = outputs.iter().find(|o| o.path.ends_with(wanted));
+            found
+                .map(|o| o.bytes.clone())
+                .ok_or(std::io::ErrorKind::NotFound.into())
+        };
+        let back = read(format, &outputs[0].bytes, name, None, &companion).unwrap();
+        let read: usize = back.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
+        assert_eq!(read, count, "{name}");
+        // They are known for what they are, and whoever breaks the file again does so without them.
+        let details = back.nodes.iter().filter(|n| n.is_detail).count();
+        assert_eq!(details, if count == all { 2 } else { 0 }, "{name}");
+        if format == Format::Glb {
+            let again = Break {
+                place: "0.3".parse().unwrap(),
+                ..Break::default()
+            };
+            let request = BreakRequest {
+                texture_width: 0,
+                ..BreakRequest::single(again)
+            };
+            let twice = break_scene(back, &request, &Context::quiet()).unwrap();
+            let named = |name: &&Node| name.is_detail;
+            assert_eq!(twice.scene.nodes.iter().filter(named).count(), 2);
+            assert!(twice.report.to_string().contains("were left out"));
+        }
+    }
+}
+
+#[test]
+fn of_several_breaks_every_face_has_its_strands() {
+    let request = BreakRequest {
+        texture_width: 0,
+        breaks: [0.35, 0.65]
+            .map(|at| Break {
+                place: format!("{at}").parse().unwrap(),
+                ..Break::default()
+            })
+            .to_vec(),
+        ..BreakRequest::default()
+    };
+    let made = break_scene(built_in_branch(), &request, &Context::quiet()).unwrap();
+    let names: Vec<&str> = fuzz(&made).iter().map(|n| n.name.as_str()).collect();
+    // The piece between the breaks has two faces.
+    assert_eq!(
+        names,
+        [
+            "piece_0_fuzz",
+            "piece_1_fuzz",
+            "piece_1_fuzz",
+            "piece_2_fuzz"
+        ]
+    );
+    for node in fuzz(&made) {
+        let piece = &made.scene.nodes[node.parent.unwrap()];
+        assert!(node.name.starts_with(&piece.name));
+        assert_eq!(node.transform, piece.transform);
+    }
+}

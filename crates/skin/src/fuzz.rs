@@ -1,0 +1,260 @@
+//! Fuzz: strands of torn fibre that stand out of a broken face, along the sides of its splinters and on their edges.
+//!
+//! Torn wood carries bundles of fibres 0.1 to 0.5 mm wide and 2 to 20 mm long, densely where it was torn and hardly where it was
+//! crushed or broke brash (Hoadley, *Understanding Wood*). They are too thin for the cells of a face. Each is a closed
+//! three-sided blade of the wood that it is peeled off: it begins within that wood, lies along the grain, and lifts towards its
+//! free end. Together they are a mesh of their own beside the piece, so that the piece stays one closed solid.
+
+mod options;
+mod strand;
+
+pub use options::FuzzOptions;
+
+use glam::{DVec2, DVec3};
+use greenstick_geometry::Mesh;
+use greenstick_wood::noise::{gradient_3d, smoothstep, unit};
+use greenstick_wood::stem::Stem;
+use greenstick_wood::tissue::Zone;
+use strand::{Root, Strand, StrandMesh};
+
+/// Strands on each square metre of torn side grain with a fuzz of 1, on wood of the reference radius.
+const DENSITY: f64 = 9e5;
+/// Triangles of fuzz over those of its piece, at most, with a fuzz of 1.
+const MAX_SHARE: f64 = 1.2;
+/// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
+const MEAN_TRIANGLES: f64 = 12.0;
+/// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a
+/// picture of all of a log cannot show single fibres.
+const REFERENCE_RADIUS: f64 = 0.02;
+/// Range of the factor on lengths and widths.
+const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
+/// Heights of a wall of the face between which it counts as torn, m: lower ones are the steps of crushed and of brash wood.
+const TORN_HEIGHT: (f64, f64) = (0.8e-3, 3.5e-3);
+/// Least square of the slope of the length along a face that is side grain.
+const SIDE_GRAIN: f64 = 0.6;
+/// Size of tufts across and along the grain, m.
+const TUFT: (f64, f64) = (2.2e-3, 9e-3);
+/// Density on pith, heartwood, sapwood, phloem and bark.
+const DENSITY_OF_ZONES: [f64; 5] = [0.3, 0.9, 1.0, 1.2, 0.06];
+/// Ring coordinate beyond which no strand of a piece reaches: the halves of a break lie in each other before they are opened.
+const OUTER_RING: f64 = 0.975;
+/// In the hash: what random numbers are drawn for.
+const PURPOSE: u64 = 0xf022;
+
+/// A triangle of side grain.
+struct Wall {
+    triangle: usize,
+    /// Expected number of strands.
+    strands: f64,
+}
+
+/// Makes the fuzz of a piece, which has the attributes of a broken face. It is empty where the face is not torn.
+pub fn fuzz(piece: &Mesh, options: &FuzzOptions) -> Mesh {
+    let mut walls = walls(piece, options);
+    let wanted: f64 = walls.iter().map(|wall| wall.strands).sum();
+    let share = (MAX_SHARE * options.amount * piece.triangles.len() as f64) as usize;
+    let most = share.min(options.most_triangles);
+    let expected = wanted * MEAN_TRIANGLES;
+    if expected > most as f64 {
+        let part = most as f64 / expected;
+        walls.iter_mut().for_each(|wall| wall.strands *= part);
+    }
+    let mut made = StrandMesh::new(options);
+    for wall in &walls {
+        let Some(frame) = Frame::of(piece, wall.triangle) else {
+            continue;
+        };
+        let random = |k: i64| unit(options.seed ^ PURPOSE, wall.triangle as i64, -1, k);
+        let here = (wall.strands + random(0)) as usize;
+        for number in 0..here {
+            let strand = strand_on(&frame, (wall.triangle, number), options);
+            if let Some(strand) = strand.filter(|s| made.triangles() + s.triangles() <= most) {
+                made.add(&strand);
+            }
+        }
+    }
+    made.finish()
+}
+
+/// The values at the corners of a triangle, and the directions of the grain there.
+struct Frame {
+    corners: [DVec3; 3],
+    /// Grain coordinates of the corners, m.
+    grain: [DVec3; 3],
+    /// Unit directions in the piece: beside the grain in the face, out of the face, along the grain.
+    directions: [DVec3; 3],
+    /// The first two in the section.
+    across: [DVec2; 2],
+    /// How far the face leans: the way in the section, m, of a unit of the piece's coordinates along the last direction.
+    lean: DVec2,
+    /// Square of the slope of the length along the face.
+    steepness: f64,
+    /// Height of the face along the grain, m.
+    height: f64,
+    /// Tissue.
+    zone: usize,
+    /// Sector.
+    sector: f32,
+}
+
+impl Frame {
+    fn of(piece: &Mesh, t: usize) -> Option<Frame> {
+        let corners = piece.corners(t);
+        let at = |name: &str, width: usize| {
+            let attribute = piece.attributes.get(name).filter(|a| a.width == width)?;
+            Some(piece.triangles[t].map(|v| attribute.at(v as usize)))
+        };
+        let grain = at("_GRAIN", 3)?.map(|g| DVec3::new(g[0].into(), g[1].into(), g[2].into()));
+        let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let normal = e.cross(f);
+        let square = normal.length_squared();
+        let (ge, gf) = (grain[1] - grain[0], grain[2] - grain[0]);
+        let across = ge.cross(gf).truncate();
+        if square <= 0.0 || across == DVec2::ZERO {
+            return None;
+        }
+        // The gradient of the length, by the dual basis of two edges.
+        let rise = f.cross(normal) * (ge.z / square) + normal.cross(e) * (gf.z / square);
+        let out = across.normalize();
+        let along = rise.normalize_or_zero();
+        let lean =
+            ge * (along.dot(f.cross(normal)) / square) + gf * (along.dot(normal.cross(e)) / square);
+        let normal = normal / square.sqrt();
+        let lengths = grain.map(|g| g.z);
+        let unit = (ge.length() / e.length()).max(gf.length() / f.length());
+        Some(Frame {
+            corners,
+            grain,
+            directions: [normal.cross(along), normal, along],
+            across: [-out.perp(), out],
+            lean: lean.truncate(),
+            steepness: rise.length_squared() / (unit * unit),
+            height: lengths[0].max(lengths[1]).max(lengths[2])
+                - lengths[0].min(lengths[1]).min(lengths[2]),
+            zone: at("_ZONE", 1)?[0][0] as usize,
+            sector: at("_SECTOR", 1)?[0][0],
+        })
+    }
+}
+
+/// Finds the torn walls of a piece, with the number of strands that each should have.
+fn walls(piece: &Mesh, options: &FuzzOptions) -> Vec<Wall> {
+    let size = size(options.stem);
+    let density = DENSITY * options.amount / (size * size);
+    let area_unit = options.units_per_metre * options.units_per_metre;
+    let face = (0..piece.triangles.len()).filter(|&t| piece.material(t) == options.material);
+    face.filter_map(|triangle| {
+        let frame = Frame::of(piece, triangle)?;
+        let (low, high) = TORN_HEIGHT;
+        let torn = smoothstep(low * size, high * size, frame.height);
+        if torn == 0.0 || frame.steepness < SIDE_GRAIN {
+            return None;
+        }
+        let [a, b, c] = frame.corners;
+        let area = 0.5 * (b - a).cross(c - a).length() / area_unit;
+        let middle = (frame.grain[0] + frame.grain[1] + frame.grain[2]) / 3.0;
+        let tufts = DVec3::new(1.0 / TUFT.0, 1.0 / TUFT.0, 1.0 / TUFT.1) / size;
+        let tuft = gradient_3d(options.seed ^ PURPOSE, middle * tufts, 0).0;
+        let clumped = 0.15 + 1.7 * smoothstep(-0.25, 0.45, tuft);
+        let zone = DENSITY_OF_ZONES[frame.zone.min(Zone::ALL.len() - 1)];
+        let strands = density * area * torn * clumped * zone;
+        (strands > 0.0).then_some(Wall { triangle, strands })
+    })
+    .collect()
+}
+
+/// Factor on the lengths and widths of strands on a stem.
+fn size(stem: &Stem) -> f64 {
+    let size = (stem.radius / REFERENCE_RADIUS).sqrt();
+    size.clamp(SIZE_RANGE.0, SIZE_RANGE.1)
+}
+
+/// Draws a strand on a wall; none where it would reach out of the stem.
+fn strand_on(
+    frame: &Frame,
+    (triangle, number): (usize, usize),
+    options: &FuzzOptions,
+) -> Option<Strand> {
+    let random = |k: i64| unit(options.seed ^ PURPOSE, triangle as i64, number as i64, k);
+    let place = |k: i64| {
+        let (a, b) = (random(k), random(k + 1));
+        let (a, b) = if a + b > 1.0 {
+            (1.0 - a, 1.0 - b)
+        } else {
+            (a, b)
+        };
+        [1.0 - a - b, a, b]
+    };
+    let of = |w: [f64; 3], v: [DVec3; 3]| v[0] * w[0] + v[1] * w[1] + v[2] * w[2];
+    let forward = if options.upper { -1.0 } else { 1.0 };
+    // Most begin near the free end of the wall; some splinter off backwards.
+    let (one, other) = (place(0), place(2));
+    let ahead = forward * (of(one, frame.grain).z - of(other, frame.grain).z) > 0.0;
+    let weights = if ahead == (random(4) < 0.7) {
+        one
+    } else {
+        other
+    };
+    let direction = if random(5) < 0.12 { -forward } else { forward };
+    let size = size(options.stem);
+    let long = random(6);
+    let mut length = size * (0.8e-3 + 2.6e-3 * random(7) + 9e-3 * long * long * long * long);
+    // What stands out beyond the edge is short.
+    let ahead = frame.grain.map(|g| direction * g.z);
+    let edge = ahead[0].max(ahead[1]).max(ahead[2]) - direction * of(weights, frame.grain).z;
+    let beyond = size * (0.6e-3 + 3.2e-3 * random(15) * random(16));
+    length = length.min(edge + beyond);
+    let width = size * (0.08e-3 + 0.08e-3 * random(8)) + 0.02 * length * random(9);
+    // Most lie close, some stand off.
+    let loose = random(10);
+    let lift = 0.03 + 0.45 * loose * loose * loose * loose;
+    let curl = 0.4 * (random(11) - 0.25);
+    let sway = 0.45 * (random(12) - 0.5);
+    let mut strand = Strand {
+        root: Root {
+            position: of(weights, frame.corners),
+            grain: of(weights, frame.grain),
+            directions: [
+                frame.directions[0],
+                frame.directions[1],
+                frame.directions[2] * direction,
+            ],
+            zone: frame.zone as f32,
+            sector: frame.sector,
+        },
+        forward: direction,
+        length,
+        width,
+        thickness: width * (0.14 + 0.18 * random(13)),
+        roll: 0.9 * (random(14) - 0.5),
+        lift,
+        curl,
+        sway,
+        ring: 0.0,
+    };
+    strand.ring = options.stem.rings.address(strand.root.grain.truncate()).0;
+    if farthest_ring(&strand, frame, options) > OUTER_RING.max(strand.ring) {
+        (strand.lift, strand.curl, strand.sway) = (0.02, 0.0, 0.2 * strand.sway);
+        if farthest_ring(&strand, frame, options) > OUTER_RING.max(strand.ring) {
+            return None;
+        }
+    }
+    Some(strand)
+}
+
+/// The greatest ring coordinate that a strand reaches. One that curls back reaches farther before its tip.
+fn farthest_ring(strand: &Strand, frame: &Frame, options: &FuzzOptions) -> f64 {
+    let at = |part: f64| {
+        let [beside, out] = strand.offset(part);
+        let way = strand.forward * strand.length * part * options.units_per_metre;
+        let across = frame.across[0] * beside + frame.across[1] * out + frame.lean * way;
+        let ring = (options.stem.rings)
+            .address(strand.root.grain.truncate() + across)
+            .0;
+        ring + (1.0 - part) * 0.5 * strand.width / options.stem.radius
+    };
+    [0.25, 0.5, 0.75, 1.0]
+        .map(at)
+        .into_iter()
+        .fold(0.0, f64::max)
+}
