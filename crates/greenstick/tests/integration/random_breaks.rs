@@ -1,7 +1,10 @@
 //! Random parameters over the whole of their ranges, on a bent branch, a board and a scanned pole: both pieces are
 //! always closed, oriented and free of crossings, and their volumes add up to the input's.
 
-use crate::support::{data::data, pieces, request, scanned_pole, scene, stages};
+use crate::support::{
+    data::{data, outside_data},
+    pieces, request, scanned_pole, scene, stages,
+};
 use greenstick::fracture::parameters::BreakParameters;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::intersect::{Contact, contact_tree, self_contacts};
@@ -276,23 +279,38 @@ fn twisted_breaks_of_scans_and_trees_do_not_cross() {
         ("bare tree", read("kaykit_Tree_Bare_1_C_Color1.obj"), 0.5),
         ("its top", read("kaykit_Tree_Bare_1_C_Color1.obj"), 0.82),
     ];
-    cases.into_par_iter().for_each(|(name, scene, place)| {
-        let request = BreakRequest::single(Break {
-            place: StemLocation::Fraction(place),
-            recipe: Recipe::resolve(&["twist"], None, &[]).unwrap(),
-            ..Break::default()
-        });
-        let closed = scene.nodes[0].mesh.check_with(QUICK).closed;
-        let broken = break_scene(scene, &request, &Context::quiet()).unwrap();
-        for node in &broken.scene.nodes[..2] {
-            let report = node.mesh.check();
-            let what = format!("{name}, {}: {report}", node.name);
-            assert!(report.oriented && (report.closed || !closed), "{what}");
-            assert_eq!(
-                report.self_intersections.map(|s| s.crossing),
-                Some(0),
-                "{what}"
-            );
-        }
+    cases.into_par_iter().for_each(assert_no_twisted_crossings);
+}
+
+/// The other bare tree. Rings of its vertices lie within micrometres of where the levels of spiral grain would be, where triangles
+/// without height came about.
+#[test]
+#[ignore = "needs GREENSTICK_DATA"]
+fn twisted_breaks_where_vertices_lie_at_levels_do_not_cross() {
+    let file = outside_data("trees/kaykit_Tree_Bare_2_C_Color1.obj");
+    let scene = greenstick::files::read(&file, None).unwrap();
+    (["0.82", "0.84"].into_par_iter()).for_each(|place| {
+        assert_no_twisted_crossings((place, scene.clone(), place.parse().unwrap()));
     });
+}
+
+/// Breaks a scene with the preset `twist` at a fraction of its stem; both pieces have no crossing triangles.
+fn assert_no_twisted_crossings((name, scene, place): (&str, Scene, f64)) {
+    let request = BreakRequest::single(Break {
+        place: StemLocation::Fraction(place),
+        recipe: Recipe::resolve(&["twist"], None, &[]).unwrap(),
+        ..Break::default()
+    });
+    let closed = scene.nodes[0].mesh.check_with(QUICK).closed;
+    let broken = break_scene(scene, &request, &Context::quiet()).unwrap();
+    for node in &broken.scene.nodes[..2] {
+        let report = node.mesh.check();
+        let what = format!("{name}, {}: {report}", node.name);
+        assert!(report.oriented && (report.closed || !closed), "{what}");
+        assert_eq!(
+            report.self_intersections.map(|s| s.crossing),
+            Some(0),
+            "{what}"
+        );
+    }
 }

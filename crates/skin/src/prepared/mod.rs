@@ -233,7 +233,10 @@ impl PreparedStem {
         between: (f64, f64),
         per_level: f64,
     ) -> PreparedStem {
-        let layers = self.layers.clone().with_spiral(turn, between, per_level);
+        let mut corners: Vec<f64> = self.grain.iter().map(|g| g.z).collect();
+        corners.retain(|s| !s.is_nan());
+        corners.sort_unstable_by(f64::total_cmp);
+        let layers = (self.layers.clone()).with_spiral(turn, between, per_level, &corners);
         let mut scene = self.scene.clone();
         let stem = &self.found.stem;
         let at = stem.grain.axis().frame(stem.location).origin;

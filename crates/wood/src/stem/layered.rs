@@ -43,6 +43,34 @@ const AXIS_TOLERANCE_RADII: f64 = 4e-3;
 /// Bound of the rounding error of a grain coordinate, relative to the sum of coordinates.
 const COORDINATE_ROUNDING: f64 = 1e-13;
 
+/// Distance from the vertices of a mesh at which a level is clear of them, and the step by which it is moved to get there, as a part
+/// of the distance of levels.
+const CLEARANCE_PER_LEVEL: f64 = 0.01;
+/// How many steps to either side a level may be moved.
+const CLEARANCE_STEPS: i32 = 8;
+
+/// A length within `range`, and within a few steps of `length`, that none of the rising `corners` is closer to than a step; where
+/// there is none, that which is the farthest from them.
+fn clear_of(corners: &[f64], length: f64, step: f64, range: (f64, f64)) -> f64 {
+    let clearance = |at: f64| {
+        let next = corners.partition_point(|&c| c < at);
+        let about = &corners[next.saturating_sub(1)..corners.len().min(next + 1)];
+        about
+            .iter()
+            .fold(step, |least: f64, c| least.min((c - at).abs()))
+    };
+    let moved = |k: i32| length + f64::from(k) * step;
+    let others = (1..=CLEARANCE_STEPS).flat_map(|k| [moved(k), moved(-k)]);
+    let within = others.filter(|at| (range.0..=range.1).contains(at));
+    within.fold(length, |best, at| {
+        if clearance(at) > clearance(best) {
+            at
+        } else {
+            best
+        }
+    })
+}
+
 impl LayeredGrain {
     /// The layers of a stem, and the lengths between which it is free for a break.
     pub fn from_stem(stem: &Stem) -> (Self, (f64, f64)) {
@@ -111,17 +139,28 @@ impl LayeredGrain {
     }
 
     /// The same with spiral grain that turns about the axis by `turn` rad per m, with levels between `low` and `high` (m) from
-    /// one to the next of which it turns by `per_level` rad at most.
-    pub fn with_spiral(mut self, turn: f64, (low, high): (f64, f64), per_level: f64) -> Self {
+    /// one to the next of which it turns by about `per_level` rad at most. Levels keep clear of `corners`, the rising lengths (m) of
+    /// the vertices of a mesh that will be split at them: closely below a vertex that would leave triangles without height.
+    pub fn with_spiral(
+        mut self,
+        turn: f64,
+        (low, high): (f64, f64),
+        per_level: f64,
+        corners: &[f64],
+    ) -> Self {
         if turn == 0.0 {
             return self;
         }
-        (self.spiral, self.spiral_range) = (turn, (low, high));
         let count = ((high - low) * turn.abs() / per_level)
             .ceil()
             .clamp(1.0, 1000.0);
-        let mut levels: Vec<Level> = (0..=count as usize)
+        let step = CLEARANCE_PER_LEVEL * (high - low) / count;
+        let lengths: Vec<f64> = (0..=count as usize)
             .map(|i| low + (high - low) * i as f64 / count)
+            .map(|length| clear_of(corners, length, step, (low, high)))
+            .collect();
+        (self.spiral, self.spiral_range) = (turn, (lengths[0], lengths[count as usize]));
+        let mut levels: Vec<Level> = (lengths.into_iter())
             .map(|length| Level {
                 length,
                 shift: self.shift(length),
@@ -316,6 +355,23 @@ mod tests {
             let spare = (least - low).max(high - most).max_element();
             let expected = turn * turn * 0.15 / 8.0 + turn * 0.015 / 3.0;
             assert!(spare <= expected + 1e-12, "{i}: {spare} {turn}");
+        }
+    }
+
+    #[test]
+    fn levels_of_spiral_grain_keep_clear_of_vertices_and_within_their_range() {
+        // Rings of vertices closely above and below where levels would be, and a dense cloud about one of them.
+        let mut corners = vec![0.1 - 1e-9, 0.3 + 1e-9, 0.5, 0.9 - 1e-7, 1.0 - 1e-8];
+        corners.extend((-50..50).map(|i| 0.7 + 1e-5 * f64::from(i)));
+        corners.sort_by(f64::total_cmp);
+        let layers = LayeredGrain::default().with_spiral(2.0, (0.1, 1.0), 0.2, &corners);
+        let levels: Vec<f64> = layers.levels().collect();
+        assert_eq!(levels.len(), 10);
+        let nearest = |l: f64| (corners.iter()).fold(1.0, |least: f64, c| least.min((c - l).abs()));
+        for (i, &l) in levels.iter().enumerate() {
+            assert!(nearest(l) > 0.99e-3, "{l}: {}", nearest(l));
+            assert!((l - (0.1 + 0.1 * i as f64)).abs() < 8.1e-3, "{l}");
+            assert!((0.1..=1.0).contains(&l), "{l}");
         }
     }
 
