@@ -47,9 +47,37 @@ fn found(cleaned: &PointCloud, at: StemLocation) -> Option<(ScanReport, Vec<DVec
     Some((bark.report, bark.centreline))
 }
 
+/// Measures where a point is the middle of the stem, found there by itself.
 fn measured(cleaned: &PointCloud, point: DVec3) -> PlaceMeasures {
     let (report, _) = found(cleaned, StemLocation::Point(point)).unwrap();
     report.place.unwrap()
+}
+
+/// Measures at a point on the axis, between those of the two places of a report about it.
+fn between(report: &ScanReport, point: DVec3) -> PlaceMeasures {
+    let along = &report.along;
+    let way = |k: usize| {
+        let [a, b] = [k, k + 1].map(|k| DVec3::from_array(along[k].centre_m));
+        ((point - a).dot(b - a) / (b - a).length_squared(), b - a)
+    };
+    let from_point = |k: usize| {
+        let (t, edge) = way(k);
+        (DVec3::from_array(along[k].centre_m) + edge * t.clamp(0.0, 1.0)).distance(point)
+    };
+    let k = (0..along.len() - 1)
+        .min_by(|&i, &j| from_point(i).total_cmp(&from_point(j)))
+        .unwrap();
+    let t = way(k).0.clamp(0.0, 1.0);
+    let (a, b) = (along[k], along[k + 1]);
+    let mix = |of: fn(&PlaceMeasures) -> f64| of(&a) + t * (of(&b) - of(&a));
+    PlaceMeasures {
+        diameter_m: mix(|p| p.diameter_m),
+        diameter_error_m: a.diameter_error_m.max(b.diameter_error_m),
+        girth_m: mix(|p| p.girth_m),
+        girth_error_m: a.girth_error_m.max(b.girth_error_m),
+        tape_girth_m: mix(|p| p.tape_girth_m),
+        ..a
+    }
 }
 
 fn assert_alike(what: &str, quantity: &str, values: [f64; 2], errors: [f64; 2]) {
@@ -73,10 +101,10 @@ fn assert_same_in_all_poses(name: &str, free: bool) {
     let at = StemLocation::Fraction(0.5);
     let as_is = cleaned(&cloud);
     let first = found(&as_is, at);
-    // Diameter and girth are compared where the first one has its middle.
-    let middle = first.as_ref().map(|(_, centreline)| {
+    // Diameter and girth are compared where the first one has its middle, in one pose also as the stem is found there.
+    let middle = first.as_ref().map(|(report, centreline)| {
         let middle = centreline[centreline.len() / 2];
-        (middle, measured(&as_is, middle))
+        (middle, between(report, middle), measured(&as_is, middle))
     });
     let about_z = |degrees: f64| DMat3::from_rotation_z(degrees.to_radians());
     let mut poses: Vec<(String, DMat3, DVec3)> = [10.0, 37.0, 90.0, 180.0]
@@ -103,19 +131,26 @@ fn assert_same_in_all_poses(name: &str, free: bool) {
         let other = cleaned(&other);
         let second = found(&other, at);
         assert_eq!(first.is_some(), second.is_some(), "{what}");
-        let (Some((a, _)), Some((b, _)), Some((middle, a_place))) = (&first, &second, &middle)
+        let (Some((a, _)), Some((b, _)), Some((middle, a_between, a_there))) =
+            (&first, &second, &middle)
         else {
             continue;
         };
         assert_same_stem(&what, a, b);
-        let b_place = measured(&other, turn * *middle + shift);
-        let [a, b] = [a_place, &b_place];
-        let errors = [a, b].map(|p| p.diameter_error_m);
-        assert_alike(&what, "diameter", [a, b].map(|p| p.diameter_m), errors);
-        let errors = [a, b].map(|p| p.girth_error_m);
-        assert_alike(&what, "girth", [a, b].map(|p| p.girth_m), errors);
-        assert_alike(&what, "tape girth", [a, b].map(|p| p.tape_girth_m), errors);
+        let point = turn * *middle + shift;
+        assert_same_section(&what, [a_between, &between(b, point)]);
+        if what.contains("37") {
+            assert_same_section(&what, [a_there, &measured(&other, point)]);
+        }
     }
+}
+
+fn assert_same_section(what: &str, places: [&PlaceMeasures; 2]) {
+    let errors = places.map(|p| p.diameter_error_m);
+    assert_alike(what, "diameter", places.map(|p| p.diameter_m), errors);
+    let errors = places.map(|p| p.girth_error_m);
+    assert_alike(what, "girth", places.map(|p| p.girth_m), errors);
+    assert_alike(what, "tape girth", places.map(|p| p.tape_girth_m), errors);
 }
 
 #[test]
