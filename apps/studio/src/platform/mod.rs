@@ -8,8 +8,10 @@ pub mod web;
 use crate::model::engine::{Failure, Job, Shown};
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
+use crate::model::project_file::ProjectFile;
 use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
+use greenstick::formats::photograph::Photograph;
 use std::borrow::Cow;
 
 /// How far some work is.
@@ -47,7 +49,7 @@ pub enum Opened {
     /// A mesh or a scan.
     Input(Input),
     /// A project or a recipe, and what it is about.
-    Project(Input, Box<RequestFile>),
+    Project(Input, Box<ProjectFile>),
 }
 
 /// Work that came to an end.
@@ -59,6 +61,8 @@ pub enum Done {
     Shown(u64, Result<Option<Box<Shown>>, Failure>),
     /// A file that was read: its path, and what is in it.
     Opened(String, Result<Opened, Failure>),
+    /// A photograph that was read, no larger than cards take: its path, and what is in it.
+    Pictured(String, Result<Photograph, Failure>),
     /// Files that were written, with their sizes in bytes.
     Exported(String, Result<Vec<(String, usize)>, Failure>),
 }
@@ -78,6 +82,8 @@ pub trait Platform {
     fn show(&mut self, number: u64, job: Job);
     /// Starts to read a file: a mesh, a scan, a recipe or a project.
     fn open(&mut self, path: &str, unit: Option<LengthUnit>);
+    /// Starts to read a photograph: PNG or JPEG.
+    fn open_picture(&mut self, path: &str);
     /// Starts to break as the command line does, and to write the pieces.
     fn export(&mut self, export: Export);
     /// Asks work to stop.
@@ -86,11 +92,11 @@ pub trait Platform {
     fn progress(&self, lane: Lane) -> Option<WorkProgress>;
     /// The next work that came to an end.
     fn poll(&mut self) -> Option<Done>;
-    /// Writes a project, with the path of its input.
+    /// Writes a project; the paths of its input and its photograph become relative to its folder where they are inside.
     ///
     /// # Errors
     /// Why it could not be written.
-    fn save(&self, path: &str, file: &RequestFile, input: Option<&str>) -> Result<(), Failure>;
+    fn save(&self, path: &str, project: &ProjectFile) -> Result<(), Failure>;
     /// Whether there are folders to look into. Where there are none, files are chosen by [`Platform::choose`] and written by their
     /// names alone.
     fn has_folders(&self) -> bool {
@@ -111,8 +117,8 @@ pub trait Platform {
     fn recent(&self) -> Vec<String>;
     /// Notes that a file was opened or saved.
     fn note_recent(&mut self, path: &str);
-    /// Keeps a request so that it survives a crash; `None` once it is saved or given up.
-    fn keep(&mut self, project: Option<(&RequestFile, Option<&str>)>);
+    /// Keeps a project so that it survives a crash; `None` once it is saved or given up.
+    fn keep(&mut self, project: Option<&ProjectFile>);
     /// What was kept when the program last ended without saving: where it is.
     fn kept(&self) -> Option<String>;
     /// Settings of the window.

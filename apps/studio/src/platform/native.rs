@@ -3,8 +3,10 @@
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
 use crate::model::engine::{Engine, Failure, Job, export};
 use crate::model::input::Input;
-use greenstick::RequestFile;
+use crate::model::photograph::reduced;
+use crate::model::project_file::ProjectFile;
 use greenstick::files::{self, Output};
+use greenstick::formats::photograph::Photograph;
 use greenstick::formats::{Content, InputFormat, LengthUnit};
 use greenstick::geometry::{CancelToken, Context, Progress};
 use std::path::{Path, PathBuf};
@@ -82,6 +84,8 @@ pub struct Native {
     folder: Option<PathBuf>,
 }
 
+/// Most pixels of a photograph a side: what every card takes.
+const PICTURE_SIDE: u32 = 2048;
 /// Files that are remembered.
 const RECENT: usize = 10;
 const RECENT_FILE: &str = "recent.txt";
@@ -194,17 +198,18 @@ fn read_input(path: &Path, unit: Option<LengthUnit>) -> Result<Input, Failure> {
 }
 
 /// Reads a project or recipe with what it is about.
-fn read_project(path: &Path) -> Result<(Input, RequestFile), Failure> {
+fn read_project(path: &Path) -> Result<(Input, ProjectFile), Failure> {
     let text = files::read_text(path).map_err(Failure::new)?;
-    let file = RequestFile::resolve(&[], Some(&text), &[])
-        .map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
-    let input = match &file.input {
-        Some(name) => {
-            let folder = path.parent().unwrap_or(Path::new(""));
-            read_input(&folder.join(name), file.unit)?
-        }
+    let read = ProjectFile::read(&text);
+    let mut file = read.map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let input = match &file.request.input {
+        Some(name) => read_input(&folder.join(name), file.request.unit)?,
         None => Input::built_in(),
     };
+    if let Some(photograph) = &mut file.studio.photograph.file {
+        *photograph = folder.join(&*photograph).display().to_string();
+    }
     Ok((input, file))
 }
 
@@ -280,6 +285,20 @@ impl Platform for Native {
         });
     }
 
+    fn open_picture(&mut self, path: &str) {
+        let (path, tell, wake) = (path.to_owned(), self.tell.clone(), self.wake.clone());
+        // Beside both lanes: it takes a moment, and nothing else waits for it.
+        std::thread::spawn(move || {
+            let read = files::read_photograph(Path::new(&path)).map_err(Failure::new);
+            let read = read.map(|image| {
+                let (width, height, rgb) = (image.width, image.height, image.rgb);
+                reduced(&Photograph { width, height, rgb }, PICTURE_SIDE)
+            });
+            let _ = tell.send(Done::Pictured(path, read));
+            wake();
+        });
+    }
+
     fn export(&mut self, wanted: Export) {
         self.start(move |context| {
             let written = write_pieces(&wanted, context);
@@ -305,9 +324,9 @@ impl Platform for Native {
         self.done.try_recv().ok()
     }
 
-    fn save(&self, path: &str, file: &RequestFile, input: Option<&str>) -> Result<(), Failure> {
+    fn save(&self, path: &str, project: &ProjectFile) -> Result<(), Failure> {
         let path = PathBuf::from(path);
-        let bytes = project_text(file, input, &path)?.into_bytes();
+        let bytes = project_text(project, &path)?.into_bytes();
         files::write_all(&[Output { path, bytes }]).map_err(Failure::new)
     }
 
@@ -352,13 +371,13 @@ impl Platform for Native {
         self.write_own(RECENT_FILE, &(list.join("\n") + "\n"));
     }
 
-    fn keep(&mut self, project: Option<(&RequestFile, Option<&str>)>) {
+    fn keep(&mut self, project: Option<&ProjectFile>) {
         let Some(path) = self.kept_at(KEPT_FILE) else {
             return;
         };
         match project {
-            Some((file, input)) => {
-                if let Ok(text) = project_text(file, input, &path) {
+            Some(project) => {
+                if let Ok(text) = project_text(project, &path) {
                     self.write_own(KEPT_FILE, &text);
                 }
             }
@@ -397,25 +416,25 @@ impl Platform for Native {
     }
 }
 
-/// A request as a project file at `path`, with the path of its input from there.
-fn project_text(file: &RequestFile, input: Option<&str>, path: &Path) -> Result<String, Failure> {
-    let mut file = file.clone();
-    file.input = match input {
-        Some(input) => {
-            let whole = std::path::absolute(input).map_err(Failure::new)?;
-            let target = std::path::absolute(path).map_err(Failure::new)?;
-            let inside = target
-                .parent()
-                .and_then(|folder| whole.strip_prefix(folder).ok());
-            let name = inside.unwrap_or(&whole);
-            let name = name.to_str().ok_or_else(|| {
-                Failure::new(format!(
-                    "{input}: the name is not Unicode, so a project cannot contain it; rename the file"
-                ))
-            })?;
-            Some(name.to_owned())
-        }
-        None => None,
-    };
-    Ok(file.to_toml())
+/// A project as the text of a file at `path`, with the paths of its input and its photograph from there.
+fn project_text(project: &ProjectFile, path: &Path) -> Result<String, Failure> {
+    let mut project = project.clone();
+    let target = std::path::absolute(path).map_err(Failure::new)?;
+    let named = [
+        &mut project.request.input,
+        &mut project.studio.photograph.file,
+    ];
+    for name in named.into_iter().flatten() {
+        let whole = std::path::absolute(&*name).map_err(Failure::new)?;
+        let inside = target
+            .parent()
+            .and_then(|folder| whole.strip_prefix(folder).ok());
+        let found = inside.unwrap_or(&whole).to_str().ok_or_else(|| {
+            Failure::new(format!(
+                "{name}: the name is not Unicode, so a project cannot contain it; rename the file"
+            ))
+        })?;
+        *name = found.to_owned();
+    }
+    Ok(project.to_toml())
 }

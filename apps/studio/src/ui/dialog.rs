@@ -7,6 +7,8 @@ use super::file_dialog::FileDialog;
 pub enum Dialog {
     /// Choosing a file to open.
     Open(FileDialog),
+    /// Choosing a photograph.
+    Photograph(FileDialog),
     /// Choosing where to save the project.
     Save(FileDialog),
     /// Choosing where and how to export.
@@ -24,6 +26,7 @@ impl Dialog {
     pub fn title(&self) -> &'static str {
         match self {
             Dialog::Open(_) => "Open a mesh, a scan, a recipe or a project",
+            Dialog::Photograph(_) => "Open a photograph, PNG or JPEG",
             Dialog::Save(_) => "Save the project",
             Dialog::Export(_) => "Export the pieces",
             Dialog::Palette(_) => "Find a command",

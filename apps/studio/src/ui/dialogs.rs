@@ -5,6 +5,7 @@ use super::dialog::Dialog;
 use super::file_dialog::FileDialog;
 use super::studio::Studio;
 use crate::model::command::equivalent;
+use crate::model::photograph::PICTURE_ENDINGS;
 use crate::platform::Export;
 use eframe::egui::{self, Grid, Id, Modal, RichText, Ui};
 use greenstick::formats::{CloudFormat, Format, OutputFormat};
@@ -65,6 +66,7 @@ impl Studio {
                 endings.push("toml");
                 Dialog::Open(files("", &endings))
             }
+            Action::Photograph => Dialog::Photograph(files("", &PICTURE_ENDINGS)),
             Action::SaveAs => Dialog::Save(files(&project_name(self), &[".toml"])),
             Action::Export => {
                 let formats = OutputFormat::all();
@@ -89,6 +91,7 @@ impl Studio {
             ui.separator();
             keep = match &mut dialog {
                 Dialog::Open(files) => self.open_dialog(ui, files),
+                Dialog::Photograph(files) => self.photograph_dialog(ui, files),
                 Dialog::Save(files) => self.save_dialog(ui, files),
                 Dialog::Export(files) => self.export_dialog(ui, files),
                 Dialog::Palette(search) => self.palette(ui, search),
@@ -114,6 +117,18 @@ impl Studio {
         keep
     }
 
+    fn photograph_dialog(&mut self, ui: &mut Ui, files: &mut FileDialog) -> bool {
+        let mut chosen = files.show(ui, &*self.platform);
+        let keep = buttons(ui, "Open", !files.name.trim().is_empty(), || {
+            chosen = Some(files.path(&*self.platform));
+        });
+        if let Some(path) = chosen {
+            self.open_photograph(&path);
+            return false;
+        }
+        keep
+    }
+
     fn save_dialog(&mut self, ui: &mut Ui, files: &mut FileDialog) -> bool {
         let mut chosen = files.show(ui, &*self.platform);
         ui.weak("The file holds every value and the path of the input. `greenstick break --recipe` reads it, too.");
@@ -123,7 +138,7 @@ impl Studio {
         if let Some(path) = chosen {
             let named = path.to_lowercase().ends_with(".toml");
             let path = if named { path } else { path + PROJECT_ENDING };
-            self.save_to(&path);
+            self.save_as(&path);
             return false;
         }
         keep

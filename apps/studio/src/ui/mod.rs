@@ -2,6 +2,7 @@
 
 mod acting;
 mod actions;
+mod answers;
 mod breaks;
 mod dialog;
 mod dialogs;
@@ -10,6 +11,8 @@ mod gallery;
 mod handles;
 mod menu;
 mod parameters;
+mod photograph;
+mod photograph_view;
 mod pictures;
 mod status;
 pub mod studio;

@@ -29,17 +29,32 @@ impl Studio {
     pub(super) fn viewport(&mut self, ui: &mut Ui) {
         egui::CentralPanel::no_frame().show(ui, |ui| {
             self.header(ui);
-            let size = ui.available_size();
+            let beside = self.photograph_is_beside();
+            let whole = ui.available_size();
+            let size = if beside {
+                Vec2::new((0.5 * whole.x).floor(), whole.y)
+            } else {
+                whole
+            };
+            let corner = ui.cursor().min;
+            if beside {
+                let at = corner + Vec2::new(size.x, 0.0);
+                self.photograph_beside(ui, Rect::from_min_size(at, whole - Vec2::new(size.x, 0.0)));
+            }
             let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
             self.aspect = rect.width() / rect.height().max(1.0);
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
-            let moving =
-                self.drag_handle(ui, rect, &response) || self.navigate(ui, rect, &response);
+            let moving = self.drag_photograph(ui, rect, &response)
+                || self.drag_handle(ui, rect, &response)
+                || self.navigate(ui, rect, &response);
             self.paint(ui, rect, moving);
+            self.paint_photograph(ui, rect);
             self.handle_at = self.tilt_dot(rect);
             self.paint_handle(ui, rect, &response);
             self.paint_break_marks(ui, rect);
-            self.click(ui, rect, &response);
+            if !self.moves_photograph() {
+                self.click(ui, rect, &response);
+            }
             self.overlays(ui, rect);
         });
     }
@@ -88,6 +103,7 @@ impl Studio {
                     }
                 }
             });
+            self.photograph_bar(ui);
         });
     }
 

@@ -3,5 +3,6 @@
 mod common;
 mod early;
 mod page;
+mod photograph;
 mod picture;
 mod window;
