@@ -16,5 +16,8 @@ pub mod project;
 pub mod project_file;
 pub mod randomise;
 pub mod section;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod simulated;
+pub mod simulation;
 pub mod tilt;
 pub mod wire;

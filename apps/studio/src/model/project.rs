@@ -43,6 +43,7 @@ impl Project {
         let ProjectFile {
             request: mut file,
             studio,
+            ..
         } = file.into();
         file.input = None;
         let photograph = studio.photograph;
@@ -63,7 +64,9 @@ impl Project {
 
     /// Whether there is something that was not saved.
     pub fn is_changed(&self) -> bool {
-        self.file != self.saved.file || self.photograph != self.saved.photograph
+        self.file != self.saved.file
+            || self.photograph != self.saved.photograph
+            || self.input.made.is_some()
     }
 
     /// What can be changed, as it is now.
@@ -74,8 +77,16 @@ impl Project {
         }
     }
 
-    /// Notes that everything is saved.
-    pub fn mark_saved(&mut self) {
+    /// Notes that everything is saved as the project at `path`.
+    pub fn mark_saved(&mut self, path: &str) {
+        if self.input.made.take().is_some() {
+            self.input.path = Some(ProjectFile::stem_path(path));
+        }
+        self.note_saved();
+    }
+
+    /// Notes that what there is now would not be lost.
+    pub(crate) fn note_saved(&mut self) {
         self.saved = self.content();
     }
 

@@ -5,6 +5,7 @@ use crate::view::camera::Camera;
 use glam::{DVec3, Vec3};
 use greenstick::RequestFile;
 use greenstick::schema::{Unit, flag, number, parameters, read_toml, write_toml};
+use std::sync::Arc;
 
 /// Largest coordinate of what is looked at, m.
 const FAR: f64 = 1e7;
@@ -92,6 +93,8 @@ pub struct ProjectFile {
     pub request: RequestFile,
     /// What only the studio needs.
     pub studio: StudioFile,
+    /// A stem that has no file yet, as GLB: it is written beside the project.
+    pub stem: Option<Arc<Vec<u8>>>,
 }
 
 impl From<RequestFile> for ProjectFile {
@@ -99,11 +102,19 @@ impl From<RequestFile> for ProjectFile {
         ProjectFile {
             request,
             studio: StudioFile::default(),
+            stem: None,
         }
     }
 }
 
 impl ProjectFile {
+    /// The path of the stem that is written beside a project at `path`.
+    pub fn stem_path(path: &str) -> String {
+        let base = path.strip_suffix(".toml").unwrap_or(path);
+        let base = base.strip_suffix(".greenstick").unwrap_or(base);
+        format!("{base}_stem.glb")
+    }
+
     /// Reads a project or a recipe.
     ///
     /// # Errors
@@ -117,7 +128,11 @@ impl ProjectFile {
             .collect();
         let mut studio = StudioFile::default();
         read_toml(&mut studio, &own.join("\n")).map_err(|e| e.to_string())?;
-        Ok(ProjectFile { request, studio })
+        Ok(ProjectFile {
+            request,
+            studio,
+            stem: None,
+        })
     }
 
     /// Writes it: the recipe with every value, and what only the studio needs where there is anything.

@@ -2,13 +2,18 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod native;
+#[cfg(not(target_arch = "wasm32"))]
+mod simulator;
 #[cfg(target_arch = "wasm32")]
 pub mod web;
+#[cfg(not(target_arch = "wasm32"))]
+mod working;
 
 use crate::model::engine::{Failure, Job, Shown};
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
 use crate::model::project_file::ProjectFile;
+use crate::model::simulation::{Look, News, SceneEntry, SimulationJob, Source};
 use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
 use greenstick::formats::photograph::Photograph;
@@ -30,6 +35,8 @@ pub enum Lane {
     Show,
     /// Reading and writing of files.
     Files,
+    /// A simulation, and what is made of it.
+    Simulation,
 }
 
 /// Pieces that are to be written.
@@ -50,6 +57,8 @@ pub enum Opened {
     Input(Input),
     /// A project or a recipe, and what it is about.
     Project(Input, Box<ProjectFile>),
+    /// A scene or a run, to be simulated or played.
+    Simulation(Source),
 }
 
 /// Work that came to an end.
@@ -63,6 +72,8 @@ pub enum Done {
     Opened(String, Result<Opened, Failure>),
     /// A photograph that was read, no larger than cards take: its path, and what is in it.
     Pictured(String, Result<Photograph, Failure>),
+    /// News of a simulation, by its number.
+    Simulated(u64, News),
     /// Files that were written, with their sizes in bytes.
     Exported(String, Result<Vec<(String, usize)>, Failure>),
 }
@@ -86,6 +97,16 @@ pub trait Platform {
     fn open_picture(&mut self, path: &str);
     /// Starts to break as the command line does, and to write the pieces.
     fn export(&mut self, export: Export);
+    /// The scenes that come with the program; none where nothing can be simulated.
+    fn scenes(&self) -> Vec<SceneEntry> {
+        Vec::new()
+    }
+    /// Starts to simulate, or to read a run; what was simulated before is given up.
+    fn simulate(&mut self, _: SimulationJob) {}
+    /// Starts to draw a frame of the simulation; only the newest that was asked for counts.
+    fn draw_frame(&mut self, _: usize, _: Look) {}
+    /// Starts to take the break that the simulation left; `at_hand` is the number of the input that is shown.
+    fn take_break(&mut self, _at_hand: u64) {}
     /// Asks work to stop.
     fn cancel(&mut self, lane: Lane);
     /// How far work is; none where nothing is at work.

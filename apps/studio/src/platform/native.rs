@@ -1,76 +1,23 @@
 //! The machine with threads and a file system.
 
+use super::simulator::Simulator;
+use super::working::{Wake, Working};
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
 use crate::model::engine::{Engine, Failure, Job, export};
 use crate::model::input::Input;
 use crate::model::photograph::reduced;
 use crate::model::project_file::ProjectFile;
+use crate::model::simulated::scenes;
+use crate::model::simulation::{Look, SceneEntry, SimulationJob, Source};
+use greenstick::fibre::scene::Scene as Setting;
 use greenstick::files::{self, Output};
 use greenstick::formats::photograph::Photograph;
 use greenstick::formats::{Content, InputFormat, LengthUnit};
-use greenstick::geometry::{CancelToken, Context, Progress};
+use greenstick::geometry::Context;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
-
-/// Wakes the window.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
-
-/// Work that is going on in a lane.
-#[derive(Clone, Default)]
-struct Working {
-    /// When it was begun.
-    since: Option<Instant>,
-    token: CancelToken,
-    progress: Arc<Mutex<Option<WorkProgress>>>,
-}
-
-impl Working {
-    /// A context that tells the window how far the work is.
-    fn context(&self, wake: &Wake) -> Context {
-        let (progress, wake) = (self.progress.clone(), wake.clone());
-        let tell = move |p: Progress| {
-            if let Ok(mut at) = progress.lock() {
-                *at = Some(WorkProgress {
-                    stage: p.stage.name().into(),
-                    overall: p.overall,
-                });
-            }
-            wake();
-        };
-        Context::new(self.token.clone(), tell)
-    }
-
-    fn at(&self) -> Option<WorkProgress> {
-        self.progress.lock().ok()?.clone()
-    }
-
-    fn begin(&self) {
-        if let Ok(mut at) = self.progress.lock() {
-            *at = Some(WorkProgress {
-                stage: "wait".into(),
-                overall: 0.0,
-            });
-        }
-    }
-
-    /// Whether it is still going on after longer than anybody waits for work that was asked to stop.
-    fn is_stuck(&self) -> bool {
-        self.at().is_some() && self.since.is_some_and(|s| s.elapsed() > PATIENCE)
-    }
-
-    fn end(&self) {
-        if let Ok(mut at) = self.progress.lock() {
-            *at = None;
-        }
-    }
-}
 
 type ShowJob = (u64, Job, Working);
-
-/// How long work may go on after another was asked for, before it is left behind: a few stages do not ask whether to stop.
-const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The machine.
 pub struct Native {
@@ -80,12 +27,16 @@ pub struct Native {
     jobs: Sender<ShowJob>,
     showing: Working,
     filing: Working,
+    simulator: Simulator,
     /// Where settings, recent files and unsaved work are kept; none where there is no such place.
     folder: Option<PathBuf>,
 }
 
 /// Most pixels of a photograph a side: what every card takes.
 const PICTURE_SIDE: u32 = 2048;
+/// The scene of a run, and its frames.
+const SCENE_FILE: &str = "scene.toml";
+const FRAMES_FILE: &str = "frames.gsf";
 /// Files that are remembered.
 const RECENT: usize = 10;
 const RECENT_FILE: &str = "recent.txt";
@@ -115,6 +66,7 @@ impl Native {
         let (tell, done) = channel();
         Native {
             jobs: worker(&tell, &wake),
+            simulator: Simulator::new(&tell, &wake),
             wake,
             done,
             tell,
@@ -213,12 +165,35 @@ fn read_project(path: &Path) -> Result<(Input, ProjectFile), Failure> {
     Ok((input, file))
 }
 
+/// What to simulate, where a file is a scene and no recipe: the run beside it, where there is one.
+fn as_scene(path: &Path) -> Option<Source> {
+    let text = files::read_text(path).ok()?;
+    let is_recipe = ProjectFile::read(&text).is_ok();
+    // A scene with a mistake is a scene still, as its name says.
+    let named = path.file_name().is_some_and(|n| n == SCENE_FILE);
+    if is_recipe || !(named || Setting::read(&text).is_ok()) {
+        return None;
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Some(if named && folder.join(FRAMES_FILE).is_file() {
+        Source::Run(folder.display().to_string())
+    } else {
+        Source::File(path.display().to_string())
+    })
+}
+
 /// Reads whatever a file is.
 pub fn read_any(path: &Path, unit: Option<LengthUnit>) -> Result<Opened, Failure> {
     let is_toml = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    if path.is_dir() {
+        return Ok(Opened::Simulation(Source::Run(path.display().to_string())));
+    }
     if is_toml {
+        if let Some(source) = as_scene(path) {
+            return Ok(Opened::Simulation(source));
+        }
         let (input, file) = read_project(path)?;
         return Ok(Opened::Project(input, Box::new(file)));
     }
@@ -245,6 +220,7 @@ fn write_pieces(wanted: &Export, context: &Context) -> Result<Vec<(String, usize
                 files::load_content(Path::new(source), wanted.file.unit).map_err(Failure::new)?;
             Input::read(source.clone(), content)
         }
+        None if wanted.input.made.is_some() => wanted.input.clone(),
         None => Input::built_in(),
     };
     let source = input.path.clone();
@@ -269,10 +245,7 @@ impl Platform for Native {
         if self.showing.is_stuck() {
             self.jobs = worker(&self.tell, &self.wake);
         }
-        self.showing = Working {
-            since: Some(Instant::now()),
-            ..Working::default()
-        };
+        self.showing = Working::begun_now();
         self.showing.begin();
         let _ = self.jobs.send((number, job, self.showing.clone()));
     }
@@ -299,6 +272,22 @@ impl Platform for Native {
         });
     }
 
+    fn scenes(&self) -> Vec<SceneEntry> {
+        scenes()
+    }
+
+    fn simulate(&mut self, job: SimulationJob) {
+        self.simulator.begin(job);
+    }
+
+    fn draw_frame(&mut self, number: usize, look: Look) {
+        self.simulator.draw(number, look);
+    }
+
+    fn take_break(&mut self, at_hand: u64) {
+        self.simulator.take(at_hand);
+    }
+
     fn export(&mut self, wanted: Export) {
         self.start(move |context| {
             let written = write_pieces(&wanted, context);
@@ -310,6 +299,7 @@ impl Platform for Native {
         match lane {
             Lane::Show => self.showing.token.cancel(),
             Lane::Files => self.filing.token.cancel(),
+            Lane::Simulation => self.simulator.cancel(),
         }
     }
 
@@ -317,6 +307,7 @@ impl Platform for Native {
         match lane {
             Lane::Show => self.showing.at(),
             Lane::Files => self.filing.at(),
+            Lane::Simulation => self.simulator.progress(),
         }
     }
 
@@ -325,9 +316,8 @@ impl Platform for Native {
     }
 
     fn save(&self, path: &str, project: &ProjectFile) -> Result<(), Failure> {
-        let path = PathBuf::from(path);
-        let bytes = project_text(project, &path)?.into_bytes();
-        files::write_all(&[Output { path, bytes }]).map_err(Failure::new)
+        let outputs = project_files(project, path)?;
+        files::write_all(&outputs).map_err(Failure::new)
     }
 
     fn list(&self, folder: &str) -> Result<(String, Vec<Entry>), Failure> {
@@ -377,11 +367,20 @@ impl Platform for Native {
         };
         match project {
             Some(project) => {
-                if let Ok(text) = project_text(project, &path) {
-                    self.write_own(KEPT_FILE, &text);
+                if let Some(folder) = path.parent() {
+                    let _ = std::fs::create_dir_all(folder);
+                }
+                // That it cannot be kept is no reason to disturb anybody.
+                if let Ok(outputs) = project_files(project, &path.to_string_lossy()) {
+                    let _ = files::write_all(&outputs);
                 }
             }
-            None => drop(std::fs::remove_file(path)),
+            None => {
+                drop(std::fs::remove_file(ProjectFile::stem_path(
+                    &path.to_string_lossy(),
+                )));
+                drop(std::fs::remove_file(path));
+            }
         }
     }
 
@@ -414,6 +413,24 @@ impl Platform for Native {
         let Settings { dark, scale } = settings;
         self.write_own(SETTINGS_FILE, &format!("dark={dark}\nscale={scale}\n"));
     }
+}
+
+/// The files of a project at `path`: its own, and that of a stem that has none yet.
+fn project_files(project: &ProjectFile, path: &str) -> Result<Vec<Output>, Failure> {
+    let mut project = project.clone();
+    let mut outputs = Vec::new();
+    if let Some(stem) = &project.stem {
+        let beside = ProjectFile::stem_path(path);
+        outputs.push(Output {
+            path: PathBuf::from(&beside),
+            bytes: stem.to_vec(),
+        });
+        project.request.input = Some(beside);
+    }
+    let path = PathBuf::from(path);
+    let bytes = project_text(&project, &path)?.into_bytes();
+    outputs.push(Output { path, bytes });
+    Ok(outputs)
 }
 
 /// A project as the text of a file at `path`, with the paths of its input and its photograph from there.

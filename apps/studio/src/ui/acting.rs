@@ -24,6 +24,7 @@ impl Studio {
             Action::ViewBottom => look(AxisView::Top, true),
             Action::Perspective => self.camera.parallel ^= true,
             Action::VerticalAxis => self.camera.z_up ^= true,
+            Action::Simulate => self.dialog = self.dialog_of(action),
             Action::HidePhotograph => self.photograph.hidden ^= true,
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,
@@ -77,6 +78,8 @@ impl Studio {
             self.dialog = None;
         } else if self.at_work.is_some() {
             self.platform.cancel(Lane::Show);
+        } else if self.platform.progress(Lane::Simulation).is_some() {
+            self.platform.cancel(Lane::Simulation);
         } else {
             self.platform.cancel(Lane::Files);
         }
@@ -135,7 +138,7 @@ impl Studio {
         let project = self.project_file();
         match self.platform.save(path, &project) {
             Ok(()) => {
-                self.project.mark_saved();
+                self.project.mark_saved(path);
                 self.project.path = Some(path.to_owned());
                 self.platform.note_recent(path);
                 self.platform.keep(None);

@@ -11,6 +11,7 @@ pub enum Action {
     Export,
     BuiltIn,
     Photograph,
+    Simulate,
     Undo,
     Redo,
     Randomise,
@@ -88,6 +89,12 @@ impl Action {
             "Photograph…",
             "Lays a photograph of a real break over the picture or beside it.",
             &[(CTRL, Key::I)],
+        ),
+        (
+            Action::Simulate,
+            "Simulate…",
+            "Moves wood as bonded fibres until it breaks, and shows how.",
+            &[(CTRL, Key::M)],
         ),
         (
             Action::Undo,

@@ -2,8 +2,9 @@
 
 use super::studio::{AtWork, Message, Studio};
 use crate::model::engine::{Failure, Haste, Shown};
+use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
-use crate::platform::Done;
+use crate::platform::{Done, Opened};
 use std::sync::Arc;
 
 /// Seconds without a change after which a hand that still drags rests: the whole answer is asked for.
@@ -40,6 +41,13 @@ impl Studio {
             Done::Opened(path, opened) => {
                 self.opening = None;
                 match opened {
+                    Ok(Opened::Simulation(source)) => {
+                        self.platform.note_recent(&path);
+                        if self.drawn.is_none() {
+                            self.begin(Opened::Input(Input::built_in()), "");
+                        }
+                        self.begin_simulation(source, false);
+                    }
                     Ok(opened) => {
                         self.platform.note_recent(&path);
                         self.said = format!("Opened {path}.");
@@ -49,6 +57,7 @@ impl Studio {
                 }
             }
             Done::Pictured(path, picture) => self.take_photograph(&path, picture, now),
+            Done::Simulated(number, news) => self.take_simulated(number, news, now),
             Done::Exported(path, Ok(files)) => {
                 let bytes: usize = files.iter().map(|f| f.1).sum();
                 let size = bytes as f64 / 1e6;
@@ -69,7 +78,7 @@ impl Studio {
         project.file.common.place = place;
         if untouched {
             // Nobody changed anything that could be lost.
-            project.mark_saved();
+            project.note_saved();
         }
         self.messages.push(Message {
             text: format!("Broken at {place}: {}.", failure.message),
@@ -96,6 +105,14 @@ impl Studio {
         if first && self.apart() > 0.0 {
             self.wanted = Some(false);
         }
+        self.frame_shown();
+    }
+
+    /// Frames what is shown for the first time; not while a simulation is looked at.
+    pub(super) fn frame_shown(&mut self) {
+        if self.simulation.is_some() {
+            return;
+        }
         if self.frame_next {
             self.frame_break();
             self.frame_next = false;
@@ -110,7 +127,11 @@ impl Studio {
     /// Draws another scene, seen from where the one before was; returns that.
     fn draw(&mut self, scene: DrawnScene) -> Option<(u64, Arc<DrawnScene>)> {
         if let Some((_, before)) = &self.drawn {
-            self.camera.target += (before.middle - scene.middle).as_vec3();
+            let camera = match &mut self.simulation {
+                Some(simulation) => &mut simulation.camera_before,
+                None => &mut self.camera,
+            };
+            camera.target += (before.middle - scene.middle).as_vec3();
         }
         self.numbers += 1;
         self.drawn.replace((self.numbers, Arc::new(scene)))

@@ -66,6 +66,14 @@ impl Studio {
                 endings.push("toml");
                 Dialog::Open(files("", &endings))
             }
+            Action::Simulate => {
+                let scenes = self.platform.scenes();
+                if scenes.is_empty() {
+                    return None;
+                }
+                let bend = scenes.iter().position(|s| s.name == "bend");
+                Dialog::Simulate(scenes, bend.unwrap_or(0), false)
+            }
             Action::Photograph => Dialog::Photograph(files("", &PICTURE_ENDINGS)),
             Action::SaveAs => Dialog::Save(files(&project_name(self), &[".toml"])),
             Action::Export => {
@@ -91,6 +99,7 @@ impl Studio {
             ui.separator();
             keep = match &mut dialog {
                 Dialog::Open(files) => self.open_dialog(ui, files),
+                Dialog::Simulate(scenes, at, own) => self.simulate_dialog(ui, scenes, at, own),
                 Dialog::Photograph(files) => self.photograph_dialog(ui, files),
                 Dialog::Save(files) => self.save_dialog(ui, files),
                 Dialog::Export(files) => self.export_dialog(ui, files),
@@ -270,7 +279,7 @@ impl Studio {
 }
 
 /// The buttons of a dialog; whether it stays open.
-fn buttons(ui: &mut Ui, label: &str, enabled: bool, act: impl FnOnce()) -> bool {
+pub(super) fn buttons(ui: &mut Ui, label: &str, enabled: bool, act: impl FnOnce()) -> bool {
     ui.add_space(6.0);
     let mut keep = true;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -112,6 +112,9 @@ impl Studio {
         if has_folders {
             self.menu_item(ui, Action::Photograph);
         }
+        if !self.platform.scenes().is_empty() {
+            self.menu_item(ui, Action::Simulate);
+        }
         ui.separator();
         self.menu_item(ui, Action::Save);
         self.menu_item(ui, Action::SaveAs);

@@ -2,6 +2,7 @@
 
 use super::dialog::Dialog;
 use super::photograph_view::PhotographView;
+use super::simulation_view::SimulationView;
 use crate::model::engine::{Failure, Haste, Job, Shown, has_coarse, unbroken};
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
@@ -126,6 +127,8 @@ pub struct Studio {
     /// A path that is being opened, as titles say it.
     pub(super) opening: Option<String>,
     pub(super) photograph: PhotographView,
+    /// The simulation that is looked at in place of the break.
+    pub(super) simulation: Option<SimulationView>,
     pub(super) gallery_pictures: super::pictures::Pictures,
     pub(super) quit: bool,
 }
@@ -173,6 +176,7 @@ impl Studio {
             changed_at: None,
             opening: None,
             photograph: PhotographView::default(),
+            simulation: None,
             gallery_pictures: super::pictures::Pictures::default(),
             quit: false,
         };
@@ -242,7 +246,11 @@ impl Studio {
     /// Whether work for the viewport is going on or about to begin.
     pub fn is_busy(&self) -> bool {
         let waits = self.wanted.is_some() || self.rests_at.is_some();
-        self.at_work.is_some() || waits || self.opening.is_some() || self.photograph.is_awaited()
+        self.at_work.is_some()
+            || waits
+            || self.opening.is_some()
+            || self.photograph.is_awaited()
+            || self.simulates()
     }
 
     /// Number of triangles that are shown.
@@ -316,6 +324,7 @@ impl Studio {
                 self.project = Project::new(input, file);
                 self.project.photograph = photograph;
             }
+            Opened::Simulation(_) => return,
             Opened::Project(input, file) => {
                 view = file.studio.view.clone();
                 self.project = Project::new(input, *file);
@@ -370,6 +379,7 @@ impl Studio {
             }
         }
         self.follow_photograph();
+        self.follow_simulation(ctx, now);
         self.start_work(now);
     }
 
@@ -377,6 +387,7 @@ impl Studio {
     pub fn project_file(&self) -> ProjectFile {
         let mut file = ProjectFile::from(self.project.file.clone());
         file.request.input = self.project.input.path.clone();
+        file.stem = self.project.input.made.clone();
         file.studio.photograph = self.project.photograph.clone();
         if let (Some((_, drawn)), Some(_)) = (&self.drawn, &self.project.photograph.file) {
             file.studio.view = SavedView::new(&self.camera, drawn.middle);
@@ -450,8 +461,8 @@ impl Studio {
 
     /// Shows the break from near.
     pub(super) fn frame_break(&mut self) {
-        let Some((_, drawn)) = &self.drawn else {
-            return;
+        let Some((_, drawn)) = self.drawn.as_ref().filter(|_| self.simulation.is_none()) else {
+            return self.frame_all();
         };
         let Some(at) = drawn.breaks.first() else {
             return self.frame_all();
@@ -466,7 +477,10 @@ impl Studio {
     }
 
     pub(super) fn frame_all(&mut self) {
-        if let Some((_, drawn)) = &self.drawn {
+        if let Some(simulation) = &self.simulation {
+            self.camera
+                .frame(Vec3::ZERO, simulation.rest_radius, self.aspect);
+        } else if let Some((_, drawn)) = &self.drawn {
             self.camera
                 .frame(Vec3::ZERO, drawn.radius as f32, self.aspect);
         }
@@ -477,13 +491,19 @@ impl Studio {
         let ctx = ui.ctx().clone();
         self.tick(&ctx);
         self.dropped(&ctx);
+        self.simulation_keys(&ctx);
         self.shortcuts(&ctx);
         self.menu(ui);
         self.status(ui);
-        if self.gallery {
-            self.gallery_panel(ui);
+        if self.simulation.is_some() {
+            self.simulation_panel(ui);
+            self.timeline(ui);
+        } else {
+            if self.gallery {
+                self.gallery_panel(ui);
+            }
+            self.parameters(ui);
         }
-        self.parameters(ui);
         self.viewport(ui);
         self.dialogs(&ctx);
         // Some displays show a frame only with the next one; the picture itself is not drawn again.

@@ -5,4 +5,5 @@ mod early;
 mod page;
 mod photograph;
 mod picture;
+mod simulation;
 mod window;

@@ -389,6 +389,7 @@ impl Platform for Web {
                     self.done.push_back(filing.failed(Failure::cancelled()));
                 }
             }
+            Lane::Simulation => {}
         }
         (self.wake)();
     }
@@ -397,6 +398,7 @@ impl Platform for Web {
         match lane {
             Lane::Show => self.show.at.clone(),
             Lane::Files => self.files.as_ref()?.0.at.clone(),
+            Lane::Simulation => None,
         }
     }
 
