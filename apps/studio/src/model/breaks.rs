@@ -258,7 +258,7 @@ mod tests {
         assert_eq!(places(&project), at(&[0.8]));
         assert!(project.file.breaks.is_empty() && project.selected().is_none());
         for _ in 0..2 {
-            project.history.undo(&mut project.file);
+            project.undo();
         }
         assert_eq!(places(&project), at(&[0.5, 0.3, 0.8]));
     }

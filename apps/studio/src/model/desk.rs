@@ -51,7 +51,7 @@ pub enum Ask {
 pub struct OpenedFiles {
     /// The name of the mesh or scan, and what the window needs to know of it; none for the built-in branch.
     pub input: Option<(String, Seen)>,
-    /// The request of a project or recipe among them.
+    /// The project or recipe among them, as its file.
     pub request: Option<String>,
     /// The name of the file that the project is about, where it did not come along.
     pub missing: Option<String>,
@@ -185,11 +185,11 @@ impl Desk {
 
 fn open(files: &[HeldFile], unit: Option<LengthUnit>) -> Result<OpenedFiles, Failure> {
     let project = read_project(files)?;
-    let named = project.as_ref().and_then(|p| p.input.as_deref());
+    let named = project.as_ref().and_then(|p| p.request.input.as_deref());
     let here = main_name(files);
     let missing = named.map(last_name).filter(|n| here != Some(*n));
     let wanted = project.is_none() || named.is_some() && missing.is_none();
-    let unit = project.as_ref().map_or(unit, |p| p.unit);
+    let unit = project.as_ref().map_or(unit, |p| p.request.unit);
     let input = if wanted {
         let input = read_input(files, unit)?;
         let seen = Seen {

@@ -2,7 +2,7 @@
 
 use super::engine::Failure;
 use super::input::Input;
-use greenstick::RequestFile;
+use super::project_file::ProjectFile;
 use greenstick::formats::{
     CloudFormat, Content, Format, InputFormat, LengthUnit, embed_images, read_content,
 };
@@ -82,13 +82,13 @@ pub fn read_input(files: &[HeldFile], unit: Option<LengthUnit>) -> Result<Input,
 ///
 /// # Errors
 /// What is wrong with it.
-pub fn read_project(files: &[HeldFile]) -> Result<Option<RequestFile>, Failure> {
+pub fn read_project(files: &[HeldFile]) -> Result<Option<ProjectFile>, Failure> {
     let Some(file) = files.iter().find(|f| is_project(&f.name)) else {
         return Ok(None);
     };
     let text = std::str::from_utf8(&file.bytes)
         .map_err(|e| Failure::new(format!("{}: not text: {e}", file.name)))?;
-    let request = RequestFile::resolve(&[], Some(text), &[])
-        .map_err(|e| Failure::new(format!("{}: {e}", file.name)))?;
-    Ok(Some(request))
+    let project = ProjectFile::read(text);
+    let project = project.map_err(|e| Failure::new(format!("{}: {e}", file.name)))?;
+    Ok(Some(project))
 }

@@ -1,6 +1,4 @@
-//! Undo and redo: snapshots of the whole request, one for each drag.
-
-use greenstick::RequestFile;
+//! Undo and redo: snapshots of the whole content, one for each drag.
 
 /// Steps that are kept.
 const STEPS: usize = 500;
@@ -8,18 +6,28 @@ const STEPS: usize = 500;
 /// What was changed, for menus: "Undo inclination".
 pub type Label = String;
 
-/// The past and the future of a request.
-#[derive(Debug, Default)]
-pub struct History {
-    past: Vec<(Label, RequestFile)>,
-    future: Vec<(Label, RequestFile)>,
+/// The past and the future of what can be changed.
+#[derive(Debug)]
+pub struct History<T> {
+    past: Vec<(Label, T)>,
+    future: Vec<(Label, T)>,
     /// What the present drag changes, so that all of it is one step.
     open: Option<Label>,
 }
 
-impl History {
+impl<T> Default for History<T> {
+    fn default() -> Self {
+        History {
+            past: Vec::new(),
+            future: Vec::new(),
+            open: None,
+        }
+    }
+}
+
+impl<T: Clone> History<T> {
     /// Notes a change that is about to be made to `before`. While the same `drag` goes on, it is part of the same step.
-    pub fn note(&mut self, label: &str, before: &RequestFile, drag: bool) {
+    pub fn note(&mut self, label: &str, before: &T, drag: bool) {
         let same = drag && self.open.as_deref() == Some(label);
         if !same {
             if self.past.len() == STEPS {
@@ -37,7 +45,7 @@ impl History {
     }
 
     /// Goes one step back.
-    pub fn undo(&mut self, present: &mut RequestFile) -> Option<Label> {
+    pub fn undo(&mut self, present: &mut T) -> Option<Label> {
         self.open = None;
         let (label, before) = self.past.pop()?;
         self.future
@@ -46,7 +54,7 @@ impl History {
     }
 
     /// Goes one step forward.
-    pub fn redo(&mut self, present: &mut RequestFile) -> Option<Label> {
+    pub fn redo(&mut self, present: &mut T) -> Option<Label> {
         self.open = None;
         let (label, after) = self.future.pop()?;
         self.past
@@ -68,6 +76,7 @@ impl History {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use greenstick::RequestFile;
 
     #[test]
     fn one_drag_is_one_step() {

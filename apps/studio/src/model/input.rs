@@ -17,6 +17,8 @@ pub struct Input {
     pub path: Option<String>,
     /// What is in it.
     pub content: Arc<InputContent>,
+    /// The file that it will be kept in, where it was made and has none yet.
+    pub made: Option<Arc<Vec<u8>>>,
     /// Whether the meshes have no textures because the files were not found, and other notes of the reader.
     pub notes: Vec<String>,
 }
@@ -51,6 +53,7 @@ impl Input {
         Input {
             id: 0,
             path: None,
+            made: None,
             content: Arc::new(InputContent::Mesh(built_in_branch())),
             notes: Vec::new(),
         }
@@ -71,8 +74,18 @@ impl Input {
         Input {
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             path: Some(path),
+            made: None,
             content: Arc::new(content),
             notes,
+        }
+    }
+
+    /// What was made, with the bytes of the GLB file that it will be kept in.
+    pub fn made(content: Content, file: Vec<u8>) -> Self {
+        Input {
+            path: None,
+            made: Some(Arc::new(file)),
+            ..Input::read(String::new(), content)
         }
     }
 
@@ -81,6 +94,7 @@ impl Input {
         Input {
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             path: Some(name),
+            made: None,
             notes: seen.notes.clone(),
             content: Arc::new(InputContent::Elsewhere(seen)),
         }
@@ -103,6 +117,10 @@ impl Input {
 
     /// What titles and menus call it.
     pub fn title(&self) -> &str {
-        self.file_name().unwrap_or("built-in branch")
+        let own = match self.made {
+            Some(_) => "simulated stem",
+            None => "built-in branch",
+        };
+        self.file_name().unwrap_or(own)
     }
 }

@@ -232,6 +232,38 @@ impl DrawnScene {
         out
     }
 
+    /// A scene that has moved since it was broken, drawn about `middle`; each wood inside its breaks has a material and a look.
+    pub fn moved(
+        scene: &Scene,
+        woods: &[(u32, WoodLook)],
+        middle: DVec3,
+        decoded: &mut DecodedImages,
+    ) -> Self {
+        let (low, high) = bounds(scene);
+        let far = (low - middle).abs().max((high - middle).abs());
+        let mut looks: Vec<WoodLook> = woods.iter().map(|w| w.1.clone()).collect();
+        if looks.is_empty() {
+            looks.push(WoodLook::default());
+        }
+        let mut out = DrawnScene {
+            middle,
+            radius: far.length().max(1e-6),
+            woods: looks,
+            ..DrawnScene::default()
+        };
+        let mut by_material = BTreeMap::new();
+        for (number, node) in scene.nodes.iter().enumerate() {
+            out.pieces.push(DrawnPiece {
+                name: node.name.clone(),
+                motion: DAffine3::IDENTITY,
+            });
+            out.push(node, number as f32, &mut by_material);
+        }
+        let materials: Vec<u32> = woods.iter().map(|w| w.0).collect();
+        out.add_batches(scene, &materials, by_material, decoded);
+        out
+    }
+
     /// Where a break is, moved with the piece below it.
     pub fn break_place(&self, number: usize) -> Vec3 {
         let at = self.breaks[number];

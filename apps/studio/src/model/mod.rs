@@ -11,8 +11,13 @@ pub mod input;
 pub mod link;
 pub mod look;
 pub mod meshes;
+pub mod photograph;
 pub mod project;
+pub mod project_file;
 pub mod randomise;
 pub mod section;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod simulated;
+pub mod simulation;
 pub mod tilt;
 pub mod wire;

@@ -2,8 +2,19 @@
 
 use super::history::History;
 use super::input::Input;
+use super::photograph::Overlay;
+use super::project_file::ProjectFile;
 use greenstick::RequestFile;
 use std::collections::BTreeSet;
+
+/// What of a project can be changed, undone and saved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Content {
+    /// The whole request.
+    pub file: RequestFile,
+    /// The photograph of a real break.
+    pub photograph: Overlay,
+}
 
 /// A project.
 #[derive(Debug)]
@@ -12,26 +23,38 @@ pub struct Project {
     pub input: Input,
     /// The whole request; its key `input` is set only as it is saved.
     pub file: RequestFile,
+    /// The photograph of a real break, which the picture shows too.
+    pub photograph: Overlay,
     /// Its past and future.
-    pub history: History,
+    pub history: History<Content>,
     /// The break that changes apply to, where there are several; see [`Project::selected`].
     pub(super) selection: Option<usize>,
     /// Keys that randomising leaves alone.
     pub locked: BTreeSet<String>,
     /// Where it was saved.
     pub path: Option<String>,
-    /// The request as it was saved last, to know what would be lost.
-    pub saved: RequestFile,
+    /// What was saved last, to know what would be lost.
+    saved: Content,
 }
 
 impl Project {
     /// A project of an input and a request.
-    pub fn new(input: Input, mut file: RequestFile) -> Self {
+    pub fn new(input: Input, file: impl Into<ProjectFile>) -> Self {
+        let ProjectFile {
+            request: mut file,
+            studio,
+            ..
+        } = file.into();
         file.input = None;
+        let photograph = studio.photograph;
         Project {
-            saved: file.clone(),
+            saved: Content {
+                file: file.clone(),
+                photograph: photograph.clone(),
+            },
             input,
             file,
+            photograph,
             history: History::default(),
             selection: None,
             locked: BTreeSet::new(),
@@ -41,7 +64,56 @@ impl Project {
 
     /// Whether there is something that was not saved.
     pub fn is_changed(&self) -> bool {
-        self.file != self.saved
+        self.file != self.saved.file
+            || self.photograph != self.saved.photograph
+            || self.input.made.is_some()
+    }
+
+    /// What can be changed, as it is now.
+    fn content(&self) -> Content {
+        Content {
+            file: self.file.clone(),
+            photograph: self.photograph.clone(),
+        }
+    }
+
+    /// Notes that everything is saved as the project at `path`.
+    pub fn mark_saved(&mut self, path: &str) {
+        if self.input.made.take().is_some() {
+            self.input.path = Some(ProjectFile::stem_path(path));
+        }
+        self.note_saved();
+    }
+
+    /// Notes that what there is now would not be lost.
+    pub(crate) fn note_saved(&mut self) {
+        self.saved = self.content();
+    }
+
+    /// Goes one step back; returns what it was.
+    pub fn undo(&mut self) -> Option<String> {
+        let mut content = self.content();
+        let label = self.history.undo(&mut content)?;
+        (self.file, self.photograph) = (content.file, content.photograph);
+        Some(label)
+    }
+
+    /// Goes one step forward; returns what it is.
+    pub fn redo(&mut self) -> Option<String> {
+        let mut content = self.content();
+        let label = self.history.redo(&mut content)?;
+        (self.file, self.photograph) = (content.file, content.photograph);
+        Some(label)
+    }
+
+    /// Lays the photograph otherwise, as one step, or, during a drag, as part of one. Returns whether anything changed.
+    pub fn lay_photograph(&mut self, label: &str, next: Overlay, drag: bool) -> bool {
+        if next == self.photograph {
+            return false;
+        }
+        self.history.note(label, &self.content(), drag);
+        self.photograph = next;
+        true
     }
 
     /// Changes the request by `change` as one step, or, during a drag, as part of one. Where the result is not valid, nothing
@@ -61,7 +133,7 @@ impl Project {
         if next == self.file {
             return Ok(false);
         }
-        self.history.note(label, &self.file, drag);
+        self.history.note(label, &self.content(), drag);
         self.file = next;
         Ok(true)
     }
@@ -81,7 +153,7 @@ mod tests {
         assert!(!project.is_changed() && project.history.undo_label().is_none());
         assert_eq!(project.set(key, &Value::Number(0.1), false), Ok(true));
         assert!(project.is_changed());
-        project.history.undo(&mut project.file);
+        project.undo();
         assert!(!project.is_changed());
     }
 }

@@ -2,14 +2,21 @@
 
 #[cfg(not(target_arch = "wasm32"))]
 pub mod native;
+#[cfg(not(target_arch = "wasm32"))]
+mod simulator;
 #[cfg(target_arch = "wasm32")]
 pub mod web;
+#[cfg(not(target_arch = "wasm32"))]
+mod working;
 
 use crate::model::engine::{Failure, Job, Shown};
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
+use crate::model::project_file::ProjectFile;
+use crate::model::simulation::{Look, News, SceneEntry, SimulationJob, Source};
 use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
+use greenstick::formats::photograph::Photograph;
 use std::borrow::Cow;
 
 /// How far some work is.
@@ -28,6 +35,8 @@ pub enum Lane {
     Show,
     /// Reading and writing of files.
     Files,
+    /// A simulation, and what is made of it.
+    Simulation,
 }
 
 /// Pieces that are to be written.
@@ -47,7 +56,9 @@ pub enum Opened {
     /// A mesh or a scan.
     Input(Input),
     /// A project or a recipe, and what it is about.
-    Project(Input, Box<RequestFile>),
+    Project(Input, Box<ProjectFile>),
+    /// A scene or a run, to be simulated or played.
+    Simulation(Source),
 }
 
 /// Work that came to an end.
@@ -59,6 +70,10 @@ pub enum Done {
     Shown(u64, Result<Option<Box<Shown>>, Failure>),
     /// A file that was read: its path, and what is in it.
     Opened(String, Result<Opened, Failure>),
+    /// A photograph that was read, no larger than cards take: its path, and what is in it.
+    Pictured(String, Result<Photograph, Failure>),
+    /// News of a simulation, by its number.
+    Simulated(u64, News),
     /// Files that were written, with their sizes in bytes.
     Exported(String, Result<Vec<(String, usize)>, Failure>),
 }
@@ -78,19 +93,31 @@ pub trait Platform {
     fn show(&mut self, number: u64, job: Job);
     /// Starts to read a file: a mesh, a scan, a recipe or a project.
     fn open(&mut self, path: &str, unit: Option<LengthUnit>);
+    /// Starts to read a photograph: PNG or JPEG.
+    fn open_picture(&mut self, path: &str);
     /// Starts to break as the command line does, and to write the pieces.
     fn export(&mut self, export: Export);
+    /// The scenes that come with the program; none where nothing can be simulated.
+    fn scenes(&self) -> Vec<SceneEntry> {
+        Vec::new()
+    }
+    /// Starts to simulate, or to read a run; what was simulated before is given up.
+    fn simulate(&mut self, _: SimulationJob) {}
+    /// Starts to draw a frame of the simulation; only the newest that was asked for counts.
+    fn draw_frame(&mut self, _: usize, _: Look) {}
+    /// Starts to take the break that the simulation left; `at_hand` is the number of the input that is shown.
+    fn take_break(&mut self, _at_hand: u64) {}
     /// Asks work to stop.
     fn cancel(&mut self, lane: Lane);
     /// How far work is; none where nothing is at work.
     fn progress(&self, lane: Lane) -> Option<WorkProgress>;
     /// The next work that came to an end.
     fn poll(&mut self) -> Option<Done>;
-    /// Writes a project, with the path of its input.
+    /// Writes a project; the paths of its input and its photograph become relative to its folder where they are inside.
     ///
     /// # Errors
     /// Why it could not be written.
-    fn save(&self, path: &str, file: &RequestFile, input: Option<&str>) -> Result<(), Failure>;
+    fn save(&self, path: &str, project: &ProjectFile) -> Result<(), Failure>;
     /// Whether there are folders to look into. Where there are none, files are chosen by [`Platform::choose`] and written by their
     /// names alone.
     fn has_folders(&self) -> bool {
@@ -111,8 +138,8 @@ pub trait Platform {
     fn recent(&self) -> Vec<String>;
     /// Notes that a file was opened or saved.
     fn note_recent(&mut self, path: &str);
-    /// Keeps a request so that it survives a crash; `None` once it is saved or given up.
-    fn keep(&mut self, project: Option<(&RequestFile, Option<&str>)>);
+    /// Keeps a project so that it survives a crash; `None` once it is saved or given up.
+    fn keep(&mut self, project: Option<&ProjectFile>);
     /// What was kept when the program last ended without saving: where it is.
     fn kept(&self) -> Option<String>;
     /// Settings of the window.

@@ -1,74 +1,23 @@
 //! The machine with threads and a file system.
 
+use super::simulator::Simulator;
+use super::working::{Wake, Working};
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
 use crate::model::engine::{Engine, Failure, Job, export};
 use crate::model::input::Input;
-use greenstick::RequestFile;
+use crate::model::photograph::reduced;
+use crate::model::project_file::ProjectFile;
+use crate::model::simulated::scenes;
+use crate::model::simulation::{Look, SceneEntry, SimulationJob, Source};
+use greenstick::fibre::scene::Scene as Setting;
 use greenstick::files::{self, Output};
+use greenstick::formats::photograph::Photograph;
 use greenstick::formats::{Content, InputFormat, LengthUnit};
-use greenstick::geometry::{CancelToken, Context, Progress};
+use greenstick::geometry::Context;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
-
-/// Wakes the window.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
-
-/// Work that is going on in a lane.
-#[derive(Clone, Default)]
-struct Working {
-    /// When it was begun.
-    since: Option<Instant>,
-    token: CancelToken,
-    progress: Arc<Mutex<Option<WorkProgress>>>,
-}
-
-impl Working {
-    /// A context that tells the window how far the work is.
-    fn context(&self, wake: &Wake) -> Context {
-        let (progress, wake) = (self.progress.clone(), wake.clone());
-        let tell = move |p: Progress| {
-            if let Ok(mut at) = progress.lock() {
-                *at = Some(WorkProgress {
-                    stage: p.stage.name().into(),
-                    overall: p.overall,
-                });
-            }
-            wake();
-        };
-        Context::new(self.token.clone(), tell)
-    }
-
-    fn at(&self) -> Option<WorkProgress> {
-        self.progress.lock().ok()?.clone()
-    }
-
-    fn begin(&self) {
-        if let Ok(mut at) = self.progress.lock() {
-            *at = Some(WorkProgress {
-                stage: "wait".into(),
-                overall: 0.0,
-            });
-        }
-    }
-
-    /// Whether it is still going on after longer than anybody waits for work that was asked to stop.
-    fn is_stuck(&self) -> bool {
-        self.at().is_some() && self.since.is_some_and(|s| s.elapsed() > PATIENCE)
-    }
-
-    fn end(&self) {
-        if let Ok(mut at) = self.progress.lock() {
-            *at = None;
-        }
-    }
-}
 
 type ShowJob = (u64, Job, Working);
-
-/// How long work may go on after another was asked for, before it is left behind: a few stages do not ask whether to stop.
-const PATIENCE: Duration = Duration::from_secs(3);
 
 /// The machine.
 pub struct Native {
@@ -78,10 +27,16 @@ pub struct Native {
     jobs: Sender<ShowJob>,
     showing: Working,
     filing: Working,
+    simulator: Simulator,
     /// Where settings, recent files and unsaved work are kept; none where there is no such place.
     folder: Option<PathBuf>,
 }
 
+/// Most pixels of a photograph a side: what every card takes.
+const PICTURE_SIDE: u32 = 2048;
+/// The scene of a run, and its frames.
+const SCENE_FILE: &str = "scene.toml";
+const FRAMES_FILE: &str = "frames.gsf";
 /// Files that are remembered.
 const RECENT: usize = 10;
 const RECENT_FILE: &str = "recent.txt";
@@ -111,6 +66,7 @@ impl Native {
         let (tell, done) = channel();
         Native {
             jobs: worker(&tell, &wake),
+            simulator: Simulator::new(&tell, &wake),
             wake,
             done,
             tell,
@@ -194,18 +150,36 @@ fn read_input(path: &Path, unit: Option<LengthUnit>) -> Result<Input, Failure> {
 }
 
 /// Reads a project or recipe with what it is about.
-fn read_project(path: &Path) -> Result<(Input, RequestFile), Failure> {
+fn read_project(path: &Path) -> Result<(Input, ProjectFile), Failure> {
     let text = files::read_text(path).map_err(Failure::new)?;
-    let file = RequestFile::resolve(&[], Some(&text), &[])
-        .map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
-    let input = match &file.input {
-        Some(name) => {
-            let folder = path.parent().unwrap_or(Path::new(""));
-            read_input(&folder.join(name), file.unit)?
-        }
+    let read = ProjectFile::read(&text);
+    let mut file = read.map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let input = match &file.request.input {
+        Some(name) => read_input(&folder.join(name), file.request.unit)?,
         None => Input::built_in(),
     };
+    if let Some(photograph) = &mut file.studio.photograph.file {
+        *photograph = folder.join(&*photograph).display().to_string();
+    }
     Ok((input, file))
+}
+
+/// What to simulate, where a file is a scene and no recipe: the run beside it, where there is one.
+fn as_scene(path: &Path) -> Option<Source> {
+    let text = files::read_text(path).ok()?;
+    let is_recipe = ProjectFile::read(&text).is_ok();
+    // A scene with a mistake is a scene still, as its name says.
+    let named = path.file_name().is_some_and(|n| n == SCENE_FILE);
+    if is_recipe || !(named || Setting::read(&text).is_ok()) {
+        return None;
+    }
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Some(if named && folder.join(FRAMES_FILE).is_file() {
+        Source::Run(folder.display().to_string())
+    } else {
+        Source::File(path.display().to_string())
+    })
 }
 
 /// Reads whatever a file is.
@@ -213,7 +187,13 @@ pub fn read_any(path: &Path, unit: Option<LengthUnit>) -> Result<Opened, Failure
     let is_toml = path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    if path.is_dir() {
+        return Ok(Opened::Simulation(Source::Run(path.display().to_string())));
+    }
     if is_toml {
+        if let Some(source) = as_scene(path) {
+            return Ok(Opened::Simulation(source));
+        }
         let (input, file) = read_project(path)?;
         return Ok(Opened::Project(input, Box::new(file)));
     }
@@ -240,6 +220,7 @@ fn write_pieces(wanted: &Export, context: &Context) -> Result<Vec<(String, usize
                 files::load_content(Path::new(source), wanted.file.unit).map_err(Failure::new)?;
             Input::read(source.clone(), content)
         }
+        None if wanted.input.made.is_some() => wanted.input.clone(),
         None => Input::built_in(),
     };
     let source = input.path.clone();
@@ -264,10 +245,7 @@ impl Platform for Native {
         if self.showing.is_stuck() {
             self.jobs = worker(&self.tell, &self.wake);
         }
-        self.showing = Working {
-            since: Some(Instant::now()),
-            ..Working::default()
-        };
+        self.showing = Working::begun_now();
         self.showing.begin();
         let _ = self.jobs.send((number, job, self.showing.clone()));
     }
@@ -278,6 +256,36 @@ impl Platform for Native {
             let opened = read_any(Path::new(&path), unit);
             Done::Opened(path, opened)
         });
+    }
+
+    fn open_picture(&mut self, path: &str) {
+        let (path, tell, wake) = (path.to_owned(), self.tell.clone(), self.wake.clone());
+        // Beside both lanes: it takes a moment, and nothing else waits for it.
+        std::thread::spawn(move || {
+            let read = files::read_photograph(Path::new(&path)).map_err(Failure::new);
+            let read = read.map(|image| {
+                let (width, height, rgb) = (image.width, image.height, image.rgb);
+                reduced(&Photograph { width, height, rgb }, PICTURE_SIDE)
+            });
+            let _ = tell.send(Done::Pictured(path, read));
+            wake();
+        });
+    }
+
+    fn scenes(&self) -> Vec<SceneEntry> {
+        scenes()
+    }
+
+    fn simulate(&mut self, job: SimulationJob) {
+        self.simulator.begin(job);
+    }
+
+    fn draw_frame(&mut self, number: usize, look: Look) {
+        self.simulator.draw(number, look);
+    }
+
+    fn take_break(&mut self, at_hand: u64) {
+        self.simulator.take(at_hand);
     }
 
     fn export(&mut self, wanted: Export) {
@@ -291,6 +299,7 @@ impl Platform for Native {
         match lane {
             Lane::Show => self.showing.token.cancel(),
             Lane::Files => self.filing.token.cancel(),
+            Lane::Simulation => self.simulator.cancel(),
         }
     }
 
@@ -298,6 +307,7 @@ impl Platform for Native {
         match lane {
             Lane::Show => self.showing.at(),
             Lane::Files => self.filing.at(),
+            Lane::Simulation => self.simulator.progress(),
         }
     }
 
@@ -305,10 +315,9 @@ impl Platform for Native {
         self.done.try_recv().ok()
     }
 
-    fn save(&self, path: &str, file: &RequestFile, input: Option<&str>) -> Result<(), Failure> {
-        let path = PathBuf::from(path);
-        let bytes = project_text(file, input, &path)?.into_bytes();
-        files::write_all(&[Output { path, bytes }]).map_err(Failure::new)
+    fn save(&self, path: &str, project: &ProjectFile) -> Result<(), Failure> {
+        let outputs = project_files(project, path)?;
+        files::write_all(&outputs).map_err(Failure::new)
     }
 
     fn list(&self, folder: &str) -> Result<(String, Vec<Entry>), Failure> {
@@ -352,17 +361,26 @@ impl Platform for Native {
         self.write_own(RECENT_FILE, &(list.join("\n") + "\n"));
     }
 
-    fn keep(&mut self, project: Option<(&RequestFile, Option<&str>)>) {
+    fn keep(&mut self, project: Option<&ProjectFile>) {
         let Some(path) = self.kept_at(KEPT_FILE) else {
             return;
         };
         match project {
-            Some((file, input)) => {
-                if let Ok(text) = project_text(file, input, &path) {
-                    self.write_own(KEPT_FILE, &text);
+            Some(project) => {
+                if let Some(folder) = path.parent() {
+                    let _ = std::fs::create_dir_all(folder);
+                }
+                // That it cannot be kept is no reason to disturb anybody.
+                if let Ok(outputs) = project_files(project, &path.to_string_lossy()) {
+                    let _ = files::write_all(&outputs);
                 }
             }
-            None => drop(std::fs::remove_file(path)),
+            None => {
+                drop(std::fs::remove_file(ProjectFile::stem_path(
+                    &path.to_string_lossy(),
+                )));
+                drop(std::fs::remove_file(path));
+            }
         }
     }
 
@@ -397,25 +415,43 @@ impl Platform for Native {
     }
 }
 
-/// A request as a project file at `path`, with the path of its input from there.
-fn project_text(file: &RequestFile, input: Option<&str>, path: &Path) -> Result<String, Failure> {
-    let mut file = file.clone();
-    file.input = match input {
-        Some(input) => {
-            let whole = std::path::absolute(input).map_err(Failure::new)?;
-            let target = std::path::absolute(path).map_err(Failure::new)?;
-            let inside = target
-                .parent()
-                .and_then(|folder| whole.strip_prefix(folder).ok());
-            let name = inside.unwrap_or(&whole);
-            let name = name.to_str().ok_or_else(|| {
-                Failure::new(format!(
-                    "{input}: the name is not Unicode, so a project cannot contain it; rename the file"
-                ))
-            })?;
-            Some(name.to_owned())
-        }
-        None => None,
-    };
-    Ok(file.to_toml())
+/// The files of a project at `path`: its own, and that of a stem that has none yet.
+fn project_files(project: &ProjectFile, path: &str) -> Result<Vec<Output>, Failure> {
+    let mut project = project.clone();
+    let mut outputs = Vec::new();
+    if let Some(stem) = &project.stem {
+        let beside = ProjectFile::stem_path(path);
+        outputs.push(Output {
+            path: PathBuf::from(&beside),
+            bytes: stem.to_vec(),
+        });
+        project.request.input = Some(beside);
+    }
+    let path = PathBuf::from(path);
+    let bytes = project_text(&project, &path)?.into_bytes();
+    outputs.push(Output { path, bytes });
+    Ok(outputs)
+}
+
+/// A project as the text of a file at `path`, with the paths of its input and its photograph from there.
+fn project_text(project: &ProjectFile, path: &Path) -> Result<String, Failure> {
+    let mut project = project.clone();
+    let target = std::path::absolute(path).map_err(Failure::new)?;
+    let named = [
+        &mut project.request.input,
+        &mut project.studio.photograph.file,
+    ];
+    for name in named.into_iter().flatten() {
+        let whole = std::path::absolute(&*name).map_err(Failure::new)?;
+        let inside = target
+            .parent()
+            .and_then(|folder| whole.strip_prefix(folder).ok());
+        let found = inside.unwrap_or(&whole).to_str().ok_or_else(|| {
+            Failure::new(format!(
+                "{name}: the name is not Unicode, so a project cannot contain it; rename the file"
+            ))
+        })?;
+        *name = found.to_owned();
+    }
+    Ok(project.to_toml())
 }

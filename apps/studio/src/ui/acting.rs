@@ -7,6 +7,7 @@ use crate::platform::{Lane, Opened};
 use crate::view::camera::AxisView;
 use crate::view::renderer::Colours;
 use eframe::egui;
+use greenstick::RequestFile;
 use greenstick::schema::Value;
 
 impl Studio {
@@ -23,6 +24,8 @@ impl Studio {
             Action::ViewBottom => look(AxisView::Top, true),
             Action::Perspective => self.camera.parallel ^= true,
             Action::VerticalAxis => self.camera.z_up ^= true,
+            Action::Simulate => self.dialog = self.dialog_of(action),
+            Action::HidePhotograph => self.photograph.hidden ^= true,
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,
             Action::Handles => self.view.handles ^= true,
@@ -60,6 +63,7 @@ impl Studio {
             Action::Save => self.save(),
             Action::Open if !self.platform.has_folders() => self.platform.choose(),
             Action::Open
+            | Action::Photograph
             | Action::SaveAs
             | Action::Export
             | Action::Palette
@@ -74,21 +78,34 @@ impl Studio {
             self.dialog = None;
         } else if self.at_work.is_some() {
             self.platform.cancel(Lane::Show);
+        } else if self.platform.progress(Lane::Simulation).is_some() {
+            self.platform.cancel(Lane::Simulation);
         } else {
             self.platform.cancel(Lane::Files);
         }
     }
 
     fn step_back(&mut self, now: f64) {
-        if let Some(label) = self.project.history.undo(&mut self.project.file) {
+        let before = self.project.file.clone();
+        if let Some(label) = self.project.undo() {
             self.said = format!("Took back: {label}.");
-            self.changed(false, now);
+            self.changed_since(&before, now);
         }
     }
 
     fn step_forward(&mut self, now: f64) {
-        if let Some(label) = self.project.history.redo(&mut self.project.file) {
+        let before = self.project.file.clone();
+        if let Some(label) = self.project.redo() {
             self.said = format!("Made again: {label}.");
+            self.changed_since(&before, now);
+        }
+    }
+
+    /// Notes a change; only another request is broken again.
+    fn changed_since(&mut self, before: &RequestFile, now: f64) {
+        if self.project.file == *before {
+            self.changed_at = Some(now);
+        } else {
             self.changed(false, now);
         }
     }
@@ -111,19 +128,17 @@ impl Studio {
     /// Saves the project where it was saved before, or asks where.
     fn save(&mut self) {
         match self.project.path.clone() {
-            Some(path) => self.save_to(&path),
+            Some(path) => self.save_as(&path),
             None => self.dialog = self.dialog_of(Action::SaveAs),
         }
     }
 
-    pub(super) fn save_to(&mut self, path: &str) {
-        let input = self.project.input.path.clone();
-        match self
-            .platform
-            .save(path, &self.project.file, input.as_deref())
-        {
+    /// Saves the project under a name.
+    pub fn save_as(&mut self, path: &str) {
+        let project = self.project_file();
+        match self.platform.save(path, &project) {
             Ok(()) => {
-                self.project.saved = self.project.file.clone();
+                self.project.mark_saved(path);
                 self.project.path = Some(path.to_owned());
                 self.platform.note_recent(path);
                 self.platform.keep(None);

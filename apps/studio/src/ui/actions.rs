@@ -10,6 +10,8 @@ pub enum Action {
     SaveAs,
     Export,
     BuiltIn,
+    Photograph,
+    Simulate,
     Undo,
     Redo,
     Randomise,
@@ -30,6 +32,7 @@ pub enum Action {
     Wireframe,
     Section,
     Handles,
+    HidePhotograph,
     NextColours,
     Gallery,
     Theme,
@@ -80,6 +83,18 @@ impl Action {
             "Built-in branch",
             "Breaks the branch that comes with the program.",
             &[],
+        ),
+        (
+            Action::Photograph,
+            "Photograph…",
+            "Lays a photograph of a real break over the picture or beside it.",
+            &[(CTRL, Key::I)],
+        ),
+        (
+            Action::Simulate,
+            "Simulate…",
+            "Moves wood as bonded fibres until it breaks, and shows how.",
+            &[(CTRL, Key::M)],
         ),
         (
             Action::Undo,
@@ -200,6 +215,12 @@ impl Action {
             "Handles",
             "Shows the plane of the break, and a dot to tilt and turn it by.",
             &[(NONE, Key::H)],
+        ),
+        (
+            Action::HidePhotograph,
+            "Show or hide the photograph",
+            "Shows the picture without the photograph, and with it again.",
+            &[(NONE, Key::P)],
         ),
         (
             Action::NextColours,

@@ -1,12 +1,17 @@
 //! Which dialog is open.
 
 use super::file_dialog::FileDialog;
+use crate::model::simulation::SceneEntry;
 
 /// A dialog that is open.
 #[derive(Debug, Clone)]
 pub enum Dialog {
     /// Choosing a file to open.
     Open(FileDialog),
+    /// Choosing a scene to simulate: its number, and whether it is put on the stem at hand.
+    Simulate(Vec<SceneEntry>, usize, bool),
+    /// Choosing a photograph.
+    Photograph(FileDialog),
     /// Choosing where to save the project.
     Save(FileDialog),
     /// Choosing where and how to export.
@@ -23,7 +28,9 @@ impl Dialog {
     /// Its heading.
     pub fn title(&self) -> &'static str {
         match self {
-            Dialog::Open(_) => "Open a mesh, a scan, a recipe or a project",
+            Dialog::Open(_) => "Open a mesh, a scan, a project or a scene",
+            Dialog::Simulate(..) => "Simulate",
+            Dialog::Photograph(_) => "Open a photograph, PNG or JPEG",
             Dialog::Save(_) => "Save the project",
             Dialog::Export(_) => "Export the pieces",
             Dialog::Palette(_) => "Find a command",

@@ -5,6 +5,7 @@ use super::dialog::Dialog;
 use super::file_dialog::FileDialog;
 use super::studio::Studio;
 use crate::model::command::equivalent;
+use crate::model::photograph::PICTURE_ENDINGS;
 use crate::platform::Export;
 use eframe::egui::{self, Grid, Id, Modal, RichText, Ui};
 use greenstick::formats::{CloudFormat, Format, OutputFormat};
@@ -65,6 +66,15 @@ impl Studio {
                 endings.push("toml");
                 Dialog::Open(files("", &endings))
             }
+            Action::Simulate => {
+                let scenes = self.platform.scenes();
+                if scenes.is_empty() {
+                    return None;
+                }
+                let bend = scenes.iter().position(|s| s.name == "bend");
+                Dialog::Simulate(scenes, bend.unwrap_or(0), false)
+            }
+            Action::Photograph => Dialog::Photograph(files("", &PICTURE_ENDINGS)),
             Action::SaveAs => Dialog::Save(files(&project_name(self), &[".toml"])),
             Action::Export => {
                 let formats = OutputFormat::all();
@@ -89,6 +99,8 @@ impl Studio {
             ui.separator();
             keep = match &mut dialog {
                 Dialog::Open(files) => self.open_dialog(ui, files),
+                Dialog::Simulate(scenes, at, own) => self.simulate_dialog(ui, scenes, at, own),
+                Dialog::Photograph(files) => self.photograph_dialog(ui, files),
                 Dialog::Save(files) => self.save_dialog(ui, files),
                 Dialog::Export(files) => self.export_dialog(ui, files),
                 Dialog::Palette(search) => self.palette(ui, search),
@@ -114,6 +126,18 @@ impl Studio {
         keep
     }
 
+    fn photograph_dialog(&mut self, ui: &mut Ui, files: &mut FileDialog) -> bool {
+        let mut chosen = files.show(ui, &*self.platform);
+        let keep = buttons(ui, "Open", !files.name.trim().is_empty(), || {
+            chosen = Some(files.path(&*self.platform));
+        });
+        if let Some(path) = chosen {
+            self.open_photograph(&path);
+            return false;
+        }
+        keep
+    }
+
     fn save_dialog(&mut self, ui: &mut Ui, files: &mut FileDialog) -> bool {
         let mut chosen = files.show(ui, &*self.platform);
         ui.weak("The file holds every value and the path of the input. `greenstick break --recipe` reads it, too.");
@@ -123,7 +147,7 @@ impl Studio {
         if let Some(path) = chosen {
             let named = path.to_lowercase().ends_with(".toml");
             let path = if named { path } else { path + PROJECT_ENDING };
-            self.save_to(&path);
+            self.save_as(&path);
             return false;
         }
         keep
@@ -255,7 +279,7 @@ impl Studio {
 }
 
 /// The buttons of a dialog; whether it stays open.
-fn buttons(ui: &mut Ui, label: &str, enabled: bool, act: impl FnOnce()) -> bool {
+pub(super) fn buttons(ui: &mut Ui, label: &str, enabled: bool, act: impl FnOnce()) -> bool {
     ui.add_space(6.0);
     let mut keep = true;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

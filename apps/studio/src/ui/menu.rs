@@ -45,6 +45,7 @@ const MENUS: [(&str, &[Option<Action>]); 4] = [
             Some(Action::Wireframe),
             Some(Action::Section),
             Some(Action::Handles),
+            Some(Action::HidePhotograph),
             Some(Action::NextColours),
             None,
             Some(Action::Theme),
@@ -108,6 +109,12 @@ impl Studio {
             self.recent_menu(ui);
         }
         self.menu_item(ui, Action::BuiltIn);
+        if has_folders {
+            self.menu_item(ui, Action::Photograph);
+        }
+        if !self.platform.scenes().is_empty() {
+            self.menu_item(ui, Action::Simulate);
+        }
         ui.separator();
         self.menu_item(ui, Action::Save);
         self.menu_item(ui, Action::SaveAs);

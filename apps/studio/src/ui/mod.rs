@@ -2,7 +2,9 @@
 
 mod acting;
 mod actions;
+mod answers;
 mod breaks;
+mod charts;
 mod dialog;
 mod dialogs;
 mod file_dialog;
@@ -10,7 +12,12 @@ mod gallery;
 mod handles;
 mod menu;
 mod parameters;
+mod photograph;
+mod photograph_view;
 mod pictures;
+mod simulation;
+mod simulation_panel;
+mod simulation_view;
 mod status;
 pub mod studio;
 mod viewport;

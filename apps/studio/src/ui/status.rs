@@ -1,5 +1,6 @@
 //! The line at the bottom: what is shown, what was said last, what the mouse does.
 
+use super::simulation_view::SimulationView;
 use super::studio::Studio;
 use eframe::egui::{self, RichText, Ui};
 use greenstick::BreakReport;
@@ -9,7 +10,9 @@ impl Studio {
     pub(super) fn status(&mut self, ui: &mut Ui) {
         egui::Panel::bottom("status").show(ui, |ui| {
             ui.horizontal(|ui| {
+                let simulated = self.simulation.as_ref();
                 let text = match self.report() {
+                    _ if simulated.is_some() => simulated.map_or(String::new(), frames),
                     Some(report) => summary(report, self.triangles()),
                     None if self.is_busy() => "Breaking …".to_owned(),
                     None => "Nothing is broken yet: click where it shall break.".to_owned(),
@@ -44,6 +47,17 @@ impl Studio {
             });
         });
     }
+}
+
+/// A simulation in one line.
+fn frames(simulation: &SimulationView) -> String {
+    let drawn = simulation.drawn.as_ref();
+    let triangles = drawn.map_or(0, |d| d.1.indices.len() / 3);
+    format!(
+        "{} frames · {} triangles",
+        simulation.frames(),
+        thousands(triangles)
+    )
 }
 
 /// The report in one line, with the triangles that are drawn.

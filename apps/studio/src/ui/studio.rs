@@ -1,12 +1,16 @@
 //! The state of the window, and what happens from frame to frame.
 
 use super::dialog::Dialog;
+use super::photograph_view::PhotographView;
+use super::simulation_view::SimulationView;
 use crate::model::engine::{Failure, Haste, Job, Shown, has_coarse, unbroken};
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
+use crate::model::photograph::is_picture;
 use crate::model::project::Project;
+use crate::model::project_file::{ProjectFile, SavedView};
 use crate::model::section::{Plane, SectionFaces};
-use crate::platform::{Done, Opened, Platform, Settings};
+use crate::platform::{Opened, Platform, Settings};
 use crate::view::camera::Camera;
 use crate::view::renderer::{Colours, Renderer};
 use eframe::egui;
@@ -18,8 +22,6 @@ use std::sync::Arc;
 
 /// Seconds of work above which a drag gets a coarse answer first.
 const SLOW: f64 = 0.12;
-/// Seconds without a change after which a hand that still drags rests: the whole answer is asked for.
-const RESTS_AFTER: f64 = 0.3;
 /// Seconds after a change before unsaved work is kept for a recovery.
 const KEEP_AFTER: f64 = 2.0;
 /// Seconds after which a frame follows the last one that something happened in.
@@ -56,10 +58,10 @@ pub struct ViewOptions {
 /// The work for the viewport that is going on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AtWork {
-    number: u64,
+    pub number: u64,
     drag: bool,
-    haste: Haste,
-    since: f64,
+    pub haste: Haste,
+    pub since: f64,
 }
 
 /// How the picture is cut open.
@@ -102,7 +104,7 @@ pub struct Studio {
     /// Whether there is a card at all.
     pub(super) has_card: bool,
     /// What the picture of the next result is asked with, and whether it is a drag.
-    wanted: Option<bool>,
+    pub(super) wanted: Option<bool>,
     pub(super) at_work: Option<AtWork>,
     /// Seconds that the last whole answer took.
     pub(super) last_seconds: f64,
@@ -110,18 +112,23 @@ pub struct Studio {
     /// answer was not drawn before.
     pub(super) drawn_seconds: Option<f64>,
     /// When the whole answer is asked for, should nothing change before.
-    rests_at: Option<f64>,
+    pub(super) rests_at: Option<f64>,
     /// What was shown when the work began that is drawn before it is finished.
-    before: Option<(u64, Arc<DrawnScene>)>,
-    numbers: u64,
+    pub(super) before: Option<(u64, Arc<DrawnScene>)>,
+    pub(super) numbers: u64,
     /// Whether the next result is framed.
-    frame_next: bool,
+    pub(super) frame_next: bool,
+    /// The view that the next result is seen from, where a project has one.
+    pub(super) view_next: Option<SavedView>,
     /// Whether nobody has chosen the place of the break yet: the nearest one that works will do.
-    may_move_place: bool,
+    pub(super) may_move_place: bool,
     /// When the project was changed, until it is kept.
     pub(super) changed_at: Option<f64>,
     /// A path that is being opened, as titles say it.
     pub(super) opening: Option<String>,
+    pub(super) photograph: PhotographView,
+    /// The simulation that is looked at in place of the break.
+    pub(super) simulation: Option<SimulationView>,
     pub(super) gallery_pictures: super::pictures::Pictures,
     pub(super) quit: bool,
 }
@@ -164,19 +171,24 @@ impl Studio {
             before: None,
             numbers: 0,
             frame_next: true,
+            view_next: None,
             may_move_place: false,
             changed_at: None,
             opening: None,
+            photograph: PhotographView::default(),
+            simulation: None,
             gallery_pictures: super::pictures::Pictures::default(),
             quit: false,
         };
         studio.apply_settings(ctx);
-        if let Some(path) = path {
+        if let Some(path) = path.filter(|p| !is_picture(p)) {
             studio.open(path);
             return studio;
         }
         studio.begin(Opened::Input(Input::built_in()), "");
-        if let Some(kept) = studio.platform.kept() {
+        if let Some(path) = path {
+            studio.open_photograph(path);
+        } else if let Some(kept) = studio.platform.kept() {
             studio.dialog = Some(Dialog::Recover(kept));
         }
         studio
@@ -208,6 +220,9 @@ impl Studio {
 
     /// Starts to open a file.
     pub fn open(&mut self, path: &str) {
+        if is_picture(path) {
+            return self.open_photograph(path);
+        }
         self.opening = Some(path.to_owned());
         self.platform.open(path, self.project.file.unit);
     }
@@ -231,7 +246,11 @@ impl Studio {
     /// Whether work for the viewport is going on or about to begin.
     pub fn is_busy(&self) -> bool {
         let waits = self.wanted.is_some() || self.rests_at.is_some();
-        self.at_work.is_some() || waits || self.opening.is_some()
+        self.at_work.is_some()
+            || waits
+            || self.opening.is_some()
+            || self.photograph.is_awaited()
+            || self.simulates()
     }
 
     /// Number of triangles that are shown.
@@ -294,15 +313,20 @@ impl Studio {
     /// Begins with another input or project.
     pub(super) fn begin(&mut self, opened: Opened, path: &str) {
         self.may_move_place = matches!(opened, Opened::Input(_));
+        let mut view = SavedView::default();
         match opened {
             Opened::Input(input) => {
                 let mut file = self.project.file.clone();
                 // A place on another stem says nothing on this one.
                 file.common.place = StemLocation::Fraction(0.5);
                 file.breaks.clear();
+                let photograph = self.project.photograph.clone();
                 self.project = Project::new(input, file);
+                self.project.photograph = photograph;
             }
+            Opened::Simulation(_) => return,
             Opened::Project(input, file) => {
+                view = file.studio.view.clone();
                 self.project = Project::new(input, *file);
                 // A recovered project has no file of its own, nor has the address of a page.
                 let is_file = path.to_lowercase().ends_with(".toml");
@@ -325,6 +349,7 @@ impl Studio {
         self.camera.z_up = self.project.input.has_z_up();
         self.frame_all();
         self.frame_next = true;
+        self.view_next = Some(view).filter(|v| v.saved);
         self.wanted = Some(false);
     }
 
@@ -338,9 +363,8 @@ impl Studio {
             && now - at > KEEP_AFTER
         {
             self.changed_at = None;
-            let input = self.project.input.path.clone();
-            self.platform
-                .keep(Some((&self.project.file, input.as_deref())));
+            let project = self.project_file();
+            self.platform.keep(Some(&project));
         } else if self.changed_at.is_some() {
             ctx.request_repaint_after_secs(KEEP_AFTER as f32);
         }
@@ -354,7 +378,21 @@ impl Studio {
                 ctx.request_repaint_after_secs((at - now) as f32);
             }
         }
+        self.follow_photograph();
+        self.follow_simulation(ctx, now);
         self.start_work(now);
+    }
+
+    /// The project as it is written now. The view goes with a photograph, which is matched from it alone.
+    pub fn project_file(&self) -> ProjectFile {
+        let mut file = ProjectFile::from(self.project.file.clone());
+        file.request.input = self.project.input.path.clone();
+        file.stem = self.project.input.made.clone();
+        file.studio.photograph = self.project.photograph.clone();
+        if let (Some((_, drawn)), Some(_)) = (&self.drawn, &self.project.photograph.file) {
+            file.studio.view = SavedView::new(&self.camera, drawn.middle);
+        }
+        file
     }
 
     fn start_work(&mut self, now: f64) {
@@ -404,7 +442,7 @@ impl Studio {
     }
 
     /// How far the picture pulls the pieces apart, m. Those that hang on each other stay together.
-    fn apart(&self) -> f64 {
+    pub(super) fn apart(&self) -> f64 {
         let file = &self.project.file;
         let breaks = std::iter::once(&file.common).chain(&file.breaks);
         let hangs = breaks.into_iter().any(|b| b.recipe.face.hang > 0.0);
@@ -421,110 +459,10 @@ impl Studio {
         report.map_or(0.0, |r| 2.0 * r.place.radius_m)
     }
 
-    fn take(&mut self, done: Done, now: f64) {
-        match done {
-            Done::Drawn(number, drawn) => {
-                let current = self.at_work.filter(|w| w.number == number);
-                let Some(work) = current else { return };
-                if work.haste != Haste::Coarse {
-                    self.drawn_seconds = Some(now - work.since);
-                }
-                let before = self.draw(*drawn);
-                self.before = self.before.take().or(before);
-            }
-            Done::Shown(number, outcome) => {
-                let current = self.at_work.filter(|w| w.number == number);
-                let Some(work) = current else { return };
-                self.at_work = None;
-                match outcome {
-                    Ok(Some(shown)) => self.take_shown(*shown, work, now),
-                    Ok(None) => self.rests_at = Some(now + RESTS_AFTER),
-                    Err(failure) => {
-                        // What cannot be finished is not shown.
-                        self.drawn = self.before.take().or(self.drawn.take());
-                        if !self.break_at_nearest_place(&failure) {
-                            self.fail(&failure);
-                        }
-                    }
-                }
-            }
-            Done::Opened(path, opened) => {
-                self.opening = None;
-                match opened {
-                    Ok(opened) => {
-                        self.platform.note_recent(&path);
-                        self.said = format!("Opened {path}.");
-                        self.begin(opened, &path);
-                    }
-                    Err(failure) => self.fail(&failure),
-                }
-            }
-            Done::Exported(path, Ok(files)) => {
-                let bytes: usize = files.iter().map(|f| f.1).sum();
-                let size = bytes as f64 / 1e6;
-                self.said = format!("Wrote {path} ({} files, {size:.1} MB).", files.len());
-            }
-            Done::Exported(_, Err(failure)) => self.fail(&failure),
-        }
-    }
-
-    /// Breaks what was just opened at the nearest place that works, if its middle does not; returns whether there is one.
-    fn break_at_nearest_place(&mut self, failure: &Failure) -> bool {
-        let may_move_place = std::mem::take(&mut self.may_move_place);
-        let Some(place) = failure.place.filter(|_| may_move_place) else {
-            return false;
-        };
-        let project = &mut self.project;
-        let untouched = !project.is_changed();
-        project.file.common.place = place;
-        if untouched {
-            // Nobody changed anything that could be lost.
-            project.saved = project.file.clone();
-        }
-        self.messages.push(Message {
-            text: format!("Broken at {place}: {}.", failure.message),
-            is_error: false,
-            place: None,
-        });
-        self.wanted = Some(false);
-        true
-    }
-
-    fn take_shown(&mut self, mut shown: Shown, work: AtWork, now: f64) {
-        self.may_move_place = false;
-        if !shown.coarse {
-            self.last_seconds = now - work.since;
-        }
-        if self.before.take().is_none() {
-            self.drawn_seconds = None;
-        }
-        // The size of the stem was not known when the pieces of the first picture were moved apart.
-        let first = self.shown.is_none() && self.apart() == 0.0 && self.view.apart > 0.0;
-        self.rests_at = shown.coarse.then_some(now + RESTS_AFTER);
-        self.draw(std::mem::take(&mut shown.drawn));
-        self.shown = Some(shown);
-        if first && self.apart() > 0.0 {
-            self.wanted = Some(false);
-        }
-        if self.frame_next {
-            self.frame_break();
-            self.frame_next = false;
-        }
-    }
-
-    /// Draws another scene, seen from where the one before was; returns that.
-    fn draw(&mut self, scene: DrawnScene) -> Option<(u64, Arc<DrawnScene>)> {
-        if let Some((_, before)) = &self.drawn {
-            self.camera.target += (before.middle - scene.middle).as_vec3();
-        }
-        self.numbers += 1;
-        self.drawn.replace((self.numbers, Arc::new(scene)))
-    }
-
     /// Shows the break from near.
     pub(super) fn frame_break(&mut self) {
-        let Some((_, drawn)) = &self.drawn else {
-            return;
+        let Some((_, drawn)) = self.drawn.as_ref().filter(|_| self.simulation.is_none()) else {
+            return self.frame_all();
         };
         let Some(at) = drawn.breaks.first() else {
             return self.frame_all();
@@ -539,7 +477,10 @@ impl Studio {
     }
 
     pub(super) fn frame_all(&mut self) {
-        if let Some((_, drawn)) = &self.drawn {
+        if let Some(simulation) = &self.simulation {
+            self.camera
+                .frame(Vec3::ZERO, simulation.rest_radius, self.aspect);
+        } else if let Some((_, drawn)) = &self.drawn {
             self.camera
                 .frame(Vec3::ZERO, drawn.radius as f32, self.aspect);
         }
@@ -550,13 +491,19 @@ impl Studio {
         let ctx = ui.ctx().clone();
         self.tick(&ctx);
         self.dropped(&ctx);
+        self.simulation_keys(&ctx);
         self.shortcuts(&ctx);
         self.menu(ui);
         self.status(ui);
-        if self.gallery {
-            self.gallery_panel(ui);
+        if self.simulation.is_some() {
+            self.simulation_panel(ui);
+            self.timeline(ui);
+        } else {
+            if self.gallery {
+                self.gallery_panel(ui);
+            }
+            self.parameters(ui);
         }
-        self.parameters(ui);
         self.viewport(ui);
         self.dialogs(&ctx);
         // Some displays show a frame only with the next one; the picture itself is not drawn again.
@@ -587,9 +534,8 @@ impl eframe::App for Studio {
 
     fn on_exit(&mut self) {
         if self.project.is_changed() {
-            let input = self.project.input.path.clone();
-            self.platform
-                .keep(Some((&self.project.file, input.as_deref())));
+            let project = self.project_file();
+            self.platform.keep(Some(&project));
         } else {
             self.platform.keep(None);
         }

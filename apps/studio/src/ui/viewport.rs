@@ -29,17 +29,39 @@ impl Studio {
     pub(super) fn viewport(&mut self, ui: &mut Ui) {
         egui::CentralPanel::no_frame().show(ui, |ui| {
             self.header(ui);
-            let size = ui.available_size();
+            let beside = self.photograph_is_beside();
+            let whole = ui.available_size();
+            let size = if beside {
+                Vec2::new((0.5 * whole.x).floor(), whole.y)
+            } else {
+                whole
+            };
+            let corner = ui.cursor().min;
+            if beside {
+                let at = corner + Vec2::new(size.x, 0.0);
+                self.photograph_beside(ui, Rect::from_min_size(at, whole - Vec2::new(size.x, 0.0)));
+            }
             let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
             self.aspect = rect.width() / rect.height().max(1.0);
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
-            let moving =
-                self.drag_handle(ui, rect, &response) || self.navigate(ui, rect, &response);
+            if self.simulation.is_some() {
+                let moving = self.navigate(ui, rect, &response);
+                self.paint(ui, rect, moving);
+                self.paint_photograph(ui, rect);
+                self.overlays(ui, rect);
+                return;
+            }
+            let moving = self.drag_photograph(ui, rect, &response)
+                || self.drag_handle(ui, rect, &response)
+                || self.navigate(ui, rect, &response);
             self.paint(ui, rect, moving);
+            self.paint_photograph(ui, rect);
             self.handle_at = self.tilt_dot(rect);
             self.paint_handle(ui, rect, &response);
             self.paint_break_marks(ui, rect);
-            self.click(ui, rect, &response);
+            if !self.moves_photograph() {
+                self.click(ui, rect, &response);
+            }
             self.overlays(ui, rect);
         });
     }
@@ -62,24 +84,9 @@ impl Studio {
                     });
                 ui.toggle_value(&mut self.view.wireframe, "Wireframe")
                     .on_hover_text("The edges of triangles (W).");
-                ui.toggle_value(&mut self.view.section, "Section")
-                    .on_hover_text("Cuts the picture open along the stem, on the side that is seen (X).");
-                ui.toggle_value(&mut self.view.handles, "Handles")
-                    .on_hover_text("The plane of the break, and a dot to tilt and turn it by (H).");
-                ui.separator();
-                let before = self.view.apart;
-                let slider = egui::Slider::new(&mut self.view.apart, 0.0..=8.0)
-                    .suffix(" ×")
-                    .fixed_decimals(1)
-                    .text("apart");
-                let response = ui.add(slider).on_hover_text(
-                    "How far apart the picture shows the pieces, in diameters of the stem. They are pulled as one would pull \
-                     them, so that they never meet. What is exported is moved by \"part\" alone.",
-                );
-                if self.view.apart != before {
-                    self.changed_view(response.dragged());
+                if self.simulation.is_none() {
+                    self.break_view(ui);
                 }
-                ui.separator();
                 for action in [Action::FrameBreak, Action::FrameAll] {
                     let name = action.label().replace("Frame ", "");
                     let name = if name == "the break" { "Break" } else { "All" };
@@ -88,7 +95,30 @@ impl Studio {
                     }
                 }
             });
+            self.photograph_bar(ui);
         });
+    }
+
+    /// What of the header concerns breaks alone.
+    fn break_view(&mut self, ui: &mut Ui) {
+        ui.toggle_value(&mut self.view.section, "Section")
+            .on_hover_text("Cuts the picture open along the stem, on the side that is seen (X).");
+        ui.toggle_value(&mut self.view.handles, "Handles")
+            .on_hover_text("The plane of the break, and a dot to tilt and turn it by (H).");
+        ui.separator();
+        let before = self.view.apart;
+        let slider = egui::Slider::new(&mut self.view.apart, 0.0..=8.0)
+            .suffix(" ×")
+            .fixed_decimals(1)
+            .text("apart");
+        let response = ui.add(slider).on_hover_text(
+            "How far apart the picture shows the pieces, in diameters of the stem. They are pulled as one would pull \
+             them, so that they never meet. What is exported is moved by \"part\" alone.",
+        );
+        if self.view.apart != before {
+            self.changed_view(response.dragged());
+        }
+        ui.separator();
     }
 
     /// Moves the camera; returns whether it is being moved.
@@ -166,7 +196,10 @@ impl Studio {
             return;
         }
         let view = View {
-            shown: self.drawn.clone(),
+            shown: match &self.simulation {
+                Some(simulation) => simulation.drawn.clone(),
+                None => self.drawn.clone(),
+            },
             camera: self.camera,
             size,
             colours: self.view.colours,
@@ -181,7 +214,7 @@ impl Studio {
     /// The plane that cuts the picture open, along the stem at the break, and the faces that it opens. Its open side is towards
     /// where the camera was when the section was switched on.
     fn section(&mut self) -> Option<(Plane, Arc<SectionFaces>)> {
-        if !self.view.section {
+        if !self.view.section || self.simulation.is_some() {
             self.section = Section::default();
             return None;
         }
@@ -320,7 +353,11 @@ impl Studio {
     }
 
     fn progress_cards(&mut self, ui: &mut Ui) {
-        let lanes = [(Lane::Show, "Breaking"), (Lane::Files, "Files")];
+        let lanes = [
+            (Lane::Show, "Breaking"),
+            (Lane::Files, "Files"),
+            (Lane::Simulation, "Simulation"),
+        ];
         for (lane, title) in lanes {
             let Some(progress) = self.platform.progress(lane) else {
                 continue;

@@ -3,5 +3,7 @@
 mod common;
 mod early;
 mod page;
+mod photograph;
 mod picture;
+mod simulation;
 mod window;

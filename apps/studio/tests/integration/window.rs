@@ -252,13 +252,7 @@ fn a_mesh_opens_and_a_project_comes_back_as_it_was() {
     settle(&mut harness);
     let file = harness.state().project.file.clone();
     let project = folder.0.join("tree.greenstick.toml");
-    let saved = greenstick_studio::platform::Platform::save(
-        &greenstick_studio::platform::native::Native::new(None, std::sync::Arc::new(|| {})),
-        project.to_str().unwrap(),
-        &file,
-        Some(&tree),
-    );
-    saved.unwrap();
+    harness.state_mut().save_as(project.to_str().unwrap());
     let mut again = studio(&folder, Some(project.to_str().unwrap()));
     settle(&mut again);
     // Its images are not in the repository, which a note says.
@@ -328,8 +322,7 @@ fn sliders_at_their_ends_and_at_random_do_no_harm() {
         updates.push(start.elapsed().as_secs_f64());
     }
     while harness.state().project.history.undo_label().is_some() {
-        let project = &mut harness.state_mut().project;
-        project.history.undo(&mut project.file);
+        harness.state_mut().project.undo();
     }
     settle(&mut harness);
     assert_eq!(harness.state().project.file, first);

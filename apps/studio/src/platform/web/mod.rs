@@ -12,9 +12,9 @@ use crate::model::engine::{Failure, Job};
 use crate::model::held::is_project;
 use crate::model::input::Input;
 use crate::model::link::{link, read_link};
+use crate::model::project_file::ProjectFile;
 use crate::ui::studio::Studio;
 use eframe::wasm_bindgen::{JsCast, JsValue};
-use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
 use helper::Helper;
 use js_sys::Array;
@@ -55,7 +55,7 @@ pub struct Web {
     files: Option<(Helper, Filing)>,
     held: Held,
     /// A request that waits for the file it is about.
-    waiting: Option<RequestFile>,
+    waiting: Option<ProjectFile>,
 }
 
 /// Begins: as the page, or as its worker.
@@ -270,7 +270,7 @@ impl Web {
         let project = files.iter().find(|f| is_project(&f.name));
         let project = project.map(|f| f.name.clone());
         let request = opened.request.as_deref();
-        let request = request.and_then(|t| RequestFile::resolve(&[], Some(t), &[]).ok());
+        let request = request.and_then(|t| ProjectFile::read(t).ok());
         if let Some(missing) = opened.missing {
             self.waiting = request;
             return self.ask_for(&missing);
@@ -292,12 +292,12 @@ impl Web {
             (None, path) => path.clone().unwrap_or(first),
         };
         // A request that waited for this file.
-        let waited = self
-            .waiting
-            .take_if(|w| w.input.is_some() && w.input.as_deref() == input.file_name());
+        let waited = self.waiting.take_if(|w| {
+            w.request.input.is_some() && w.request.input.as_deref() == input.file_name()
+        });
         let found = match request.or(waited) {
             Some(file) => {
-                self.held.unit = file.unit.map(|u| u.to_string());
+                self.held.unit = file.request.unit.map(|u| u.to_string());
                 Opened::Project(input, Box::new(file))
             }
             None => Opened::Input(input),
@@ -321,11 +321,11 @@ impl Web {
         match read_link(&address) {
             Ok(file) => match file.input.clone() {
                 Some(name) => {
-                    self.waiting = Some(file);
+                    self.waiting = Some(file.into());
                     self.ask_for(&name);
                 }
                 None => {
-                    let opened = Opened::Project(Input::built_in(), Box::new(file));
+                    let opened = Opened::Project(Input::built_in(), Box::new(file.into()));
                     let name = "the address".to_owned();
                     self.done.push_back(Done::Opened(name, Ok(opened)));
                 }
@@ -389,6 +389,7 @@ impl Platform for Web {
                     self.done.push_back(filing.failed(Failure::cancelled()));
                 }
             }
+            Lane::Simulation => {}
         }
         (self.wake)();
     }
@@ -397,6 +398,7 @@ impl Platform for Web {
         match lane {
             Lane::Show => self.show.at.clone(),
             Lane::Files => self.files.as_ref()?.0.at.clone(),
+            Lane::Simulation => None,
         }
     }
 
@@ -408,10 +410,16 @@ impl Platform for Web {
         self.done.pop_front()
     }
 
-    fn save(&self, path: &str, file: &RequestFile, input: Option<&str>) -> Result<(), Failure> {
-        let mut file = file.clone();
-        file.input = input.map(str::to_owned);
-        browser::download(path, &JsValue::from_str(&file.to_toml()))
+    fn open_picture(&mut self, path: &str) {
+        let failure = Failure::new(format!(
+            "{path}: a page shows no photographs; this one stays part of the project"
+        ));
+        self.done
+            .push_back(Done::Pictured(path.to_owned(), Err(failure)));
+    }
+
+    fn save(&self, path: &str, project: &ProjectFile) -> Result<(), Failure> {
+        browser::download(path, &JsValue::from_str(&project.to_toml()))
             .map_err(|e| Failure::new(format!("{path}: {e:?}")))
     }
 
@@ -441,9 +449,11 @@ impl Platform for Web {
 
     fn note_recent(&mut self, _: &str) {}
 
-    fn keep(&mut self, project: Option<(&RequestFile, Option<&str>)>) {
-        if let Some((file, input)) = project {
-            browser::set_address(&link(file, input));
+    fn keep(&mut self, project: Option<&ProjectFile>) {
+        if let Some(ProjectFile { request, .. }) = project {
+            let mut request = request.clone();
+            let input = request.input.take();
+            browser::set_address(&link(&request, input.as_deref()));
         }
     }
 

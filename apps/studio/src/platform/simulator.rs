@@ -1,0 +1,267 @@
+//! Simulations on threads of their own: one that runs, one that draws frames.
+
+use super::working::{Wake, Working};
+use super::{Done, WorkProgress};
+use crate::model::engine::Failure;
+use crate::model::input::{Input, InputContent};
+use crate::model::simulated::{
+    EndedRun, FrameArtist, Recording, put_on, recorded, recorded_outcome, run,
+};
+use crate::model::simulation::{Look, News, SimulationJob, Source};
+use greenstick::fibre::scene::Scene as Setting;
+use greenstick::files;
+use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
+use greenstick::formats::{Content, Reach};
+use greenstick::geometry::Stage;
+use greenstick::simulate::{RunSource, SceneMeshes};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Who draws the frames of a simulation; none before it begins.
+type Artist = Arc<Mutex<Option<FrameArtist>>>;
+
+/// What is known of the simulation that goes on.
+#[derive(Default)]
+struct Current {
+    number: u64,
+    working: Working,
+    artist: Artist,
+    /// The run, once it ended.
+    ended: Arc<Mutex<Option<EndedRun>>>,
+}
+
+/// Simulates beside the window.
+pub struct Simulator {
+    wake: Wake,
+    tell: Sender<Done>,
+    current: Current,
+    frames: Option<Sender<(usize, Look)>>,
+}
+
+/// Tells the window of one simulation.
+#[derive(Clone)]
+struct Teller {
+    number: u64,
+    tell: Sender<Done>,
+    wake: Wake,
+}
+
+impl Teller {
+    fn tell(&self, news: News) {
+        // That nobody listens any more is noticed by cancelling.
+        let _ = self.tell.send(Done::Simulated(self.number, news));
+        (self.wake)();
+    }
+}
+
+fn locked<T>(of: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Simulator {
+    /// One that tells of its work.
+    pub fn new(tell: &Sender<Done>, wake: &Wake) -> Self {
+        Simulator {
+            wake: wake.clone(),
+            tell: tell.clone(),
+            current: Current::default(),
+            frames: None,
+        }
+    }
+
+    fn teller(&self) -> Teller {
+        Teller {
+            number: self.current.number,
+            tell: self.tell.clone(),
+            wake: self.wake.clone(),
+        }
+    }
+
+    /// Asks what goes on to stop.
+    pub fn cancel(&self) {
+        self.current.working.token.cancel();
+    }
+
+    /// How far it is.
+    pub fn progress(&self) -> Option<WorkProgress> {
+        self.current.working.at()
+    }
+
+    /// Begins another simulation.
+    pub fn begin(&mut self, job: SimulationJob) {
+        self.cancel();
+        self.current = Current {
+            number: job.number,
+            ..Current::default()
+        };
+        let (wishes, queue) = channel();
+        self.frames = Some(wishes);
+        let (teller, artist) = (self.teller(), self.current.artist.clone());
+        std::thread::spawn(move || draw_frames(&queue, &artist, &teller));
+        let Current {
+            working,
+            artist,
+            ended,
+            ..
+        } = &self.current;
+        working.begin();
+        let (working, artist, ended) = (working.clone(), artist.clone(), ended.clone());
+        let teller = self.teller();
+        std::thread::spawn(move || {
+            let outcome = work(job, (&working, &artist, &ended), &teller);
+            working.end();
+            if let Err(failure) = outcome {
+                teller.tell(News::Ended(Err(failure)));
+            }
+            (teller.wake)();
+        });
+    }
+
+    /// Draws a frame when those before are drawn; only the newest counts.
+    pub fn draw(&self, number: usize, look: Look) {
+        if let Some(frames) = &self.frames {
+            let _ = frames.send((number, look));
+        }
+    }
+
+    /// Takes the break that the run left.
+    pub fn take(&mut self, at_hand: u64) {
+        self.cancel();
+        self.current.working = Working::default();
+        let (working, ended) = (self.current.working.clone(), self.current.ended.clone());
+        let teller = self.teller();
+        working.begin();
+        std::thread::spawn(move || {
+            let taken = match &*locked(&ended) {
+                Some(run) => run.take(Some(at_hand), &working.context(&teller.wake)),
+                None => Err(Failure::new("the simulation has not ended")),
+            };
+            working.end();
+            teller.tell(News::Taken(taken.map(Box::new)));
+        });
+    }
+}
+
+/// Draws what is asked for until nobody can ask any more.
+fn draw_frames(queue: &Receiver<(usize, Look)>, artist: &Artist, teller: &Teller) {
+    while let Ok(mut next) = queue.recv() {
+        while let Ok(newer) = queue.try_recv() {
+            next = newer;
+        }
+        let (number, look) = next;
+        let drawn = (locked(artist).as_mut()).map(|artist| artist.draw(number, look));
+        match drawn {
+            Some(Ok(scene)) => teller.tell(News::Frame(number, look, Box::new(scene))),
+            Some(Err(failure)) => teller.tell(News::Ended(Err(failure))),
+            None => {}
+        }
+    }
+}
+
+/// A scene that is ready to be run, and where its files are.
+fn read_scene(source: &Source) -> Result<(Setting, PathBuf), Failure> {
+    match source {
+        Source::BuiltIn(name) => {
+            let setting = Setting::built_in(name).map_err(Failure::new)?;
+            Ok((setting, PathBuf::new()))
+        }
+        Source::File(path) | Source::Run(path) => {
+            let path = Path::new(path);
+            let text = files::read_text(path).map_err(Failure::new)?;
+            let setting = Setting::read(&text)
+                .map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
+            let beside = path.parent().unwrap_or(Path::new(""));
+            Ok((setting, beside.to_owned()))
+        }
+    }
+}
+
+/// What a simulation shares with the window's side of it.
+type Shared<'a> = (&'a Working, &'a Artist, &'a Mutex<Option<EndedRun>>);
+
+/// Runs a scene, or reads a run, and makes wood of it.
+fn work(job: SimulationJob, shared: Shared, teller: &Teller) -> Result<(), Failure> {
+    let (working, artist, ended) = shared;
+    let context = working.context(&teller.wake);
+    let [running, opening] = context.split([(SIMULATE, 6.0), (WOOD, 1.0)]);
+    let (source, meshes, stem) = match &job.source {
+        Source::Run(folder) => {
+            let (source, meshes, stem) = read_run(Path::new(folder))?;
+            let scene = source.scene().map_err(|e| Failure::new(e.to_string()))?;
+            teller.tell(News::Begun(scene.about));
+            *locked(artist) = Some(FrameArtist::new(source.clone(), meshes.clone()));
+            teller.tell(News::Recorded(recorded(&*source)));
+            let outcome = recorded_outcome(&*source)?;
+            teller.tell(News::Ended(Ok(outcome)));
+            (source, meshes, stem)
+        }
+        _ => {
+            let (mut setting, beside) = read_scene(&job.source)?;
+            teller.tell(News::Begun(setting.about.clone()));
+            let input = match &job.stem {
+                Some((input, place)) => Some(put_on(&mut setting, input, *place)?),
+                None => None,
+            };
+            let bodies = read_body_meshes(&setting, &beside, Reach::Folder);
+            let meshes = SceneMeshes {
+                input,
+                bodies: bodies.map_err(Failure::new)?,
+            };
+            let recording = Recording::default();
+            let source: Arc<dyn RunSource> = Arc::new(recording.clone());
+            *locked(artist) = Some(FrameArtist::new(source.clone(), meshes.clone()));
+            let tell = |source: &dyn RunSource| teller.tell(News::Recorded(recorded(source)));
+            let outcome = run((setting, meshes.clone()), &recording, &tell, &running)?;
+            teller.tell(News::Recorded(recorded(&recording)));
+            teller.tell(News::Ended(Ok(outcome)));
+            (source, meshes, job.stem.map(|s| s.0))
+        }
+    };
+    let wood = || {
+        let mut run = EndedRun::open(source, &meshes, stem, &opening.part(0.0, 0.2))?;
+        let film = run.film(&opening.part(0.2, 1.0));
+        *locked(ended) = Some(run);
+        film
+    };
+    match wood() {
+        Ok((film, best)) => {
+            if let Some(artist) = &mut *locked(artist) {
+                artist.take_film(film);
+            }
+            teller.tell(News::Wood(Ok(best)));
+        }
+        Err(failure) => teller.tell(News::Wood(Err(failure.message))),
+    }
+    Ok(())
+}
+
+/// A run with the meshes of its scene, and the stem that it is of where that is a file.
+type OpenedRun = (Arc<dyn RunSource>, SceneMeshes, Option<Input>);
+
+/// Reads a run that was recorded in a folder.
+fn read_run(folder: &Path) -> Result<OpenedRun, Failure> {
+    let origin = Origin::read(folder).map_err(Failure::new)?;
+    let stem = match origin.input_file() {
+        Some((path, unit)) => {
+            let (mut content, _) = files::load_content(&path, unit).map_err(Failure::new)?;
+            if let Content::Mesh(scene) = &mut content {
+                files::embed_images(scene, &path);
+            }
+            Some(Input::read(path.display().to_string(), content))
+        }
+        None => None,
+    };
+    let beside = origin.beside.clone();
+    let run = RunFolder::new(folder, origin);
+    let scene = run.scene().map_err(Failure::new)?;
+    let bodies = read_body_meshes(&scene, &beside, Reach::Outside).map_err(Failure::new)?;
+    let input = match stem.as_ref().map(|s| &*s.content) {
+        Some(InputContent::Mesh(scene)) => Some(scene.clone()),
+        _ => None,
+    };
+    Ok((Arc::new(run), SceneMeshes { input, bodies }, stem))
+}
+
+const SIMULATE: Stage = Stage::new("simulate");
+const WOOD: Stage = Stage::new("wood");

@@ -1,0 +1,232 @@
+//! A simulation that is looked at: beginning, news of it, playback, and the break that is taken from it.
+
+use super::dialogs::buttons;
+use super::simulation_view::SimulationView;
+use super::studio::Studio;
+use crate::model::input::InputContent;
+use crate::model::simulation::{
+    Look, News, Playback, Recorded, SceneEntry, SimulationJob, Source, Taken,
+};
+use crate::platform::{Lane, Opened};
+use eframe::egui::{self, Key, Modifiers, RichText, Ui};
+use greenstick::RequestFile;
+use std::sync::Arc;
+
+impl Studio {
+    /// The choice of a scene; whether it stays open.
+    pub(super) fn simulate_dialog(
+        &mut self,
+        ui: &mut Ui,
+        scenes: &[SceneEntry],
+        at: &mut usize,
+        own: &mut bool,
+    ) -> bool {
+        egui::ScrollArea::vertical()
+            .max_height(330.0)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                for (i, scene) in scenes.iter().enumerate() {
+                    ui.selectable_value(at, i, &scene.name);
+                    ui.indent(&scene.name, |ui| {
+                        let text = format!("{}; {} s", scene.about, scene.duration);
+                        ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+                    });
+                }
+            });
+        let is_mesh = matches!(&*self.project.input.content, InputContent::Mesh(_));
+        let name = format!("On the stem at hand ({})", self.project.input.title());
+        ui.add_enabled(is_mesh, egui::Checkbox::new(own, name))
+            .on_hover_text("Puts the scene on this stem, at its break, in place of its own stem.")
+            .on_disabled_hover_text("A scan has no mesh that could be simulated.");
+        ui.weak("A scene of your own, or the folder of a run: File, Open… and its scene.toml.");
+        let mut chosen = None;
+        let keep = buttons(ui, "Start", true, || chosen = scenes.get(*at));
+        if let Some(scene) = chosen {
+            self.begin_simulation(Source::BuiltIn(scene.name.clone()), *own && is_mesh);
+        }
+        keep
+    }
+
+    /// Begins a simulation, on the stem at hand or on that of its scene.
+    pub fn begin_simulation(&mut self, source: Source, own: bool) {
+        self.numbers += 1;
+        let number = self.numbers;
+        let place = self.project.file.breaks.first();
+        let place = place.unwrap_or(&self.project.file.common).place;
+        self.platform.simulate(SimulationJob {
+            number,
+            source: source.clone(),
+            stem: own.then(|| (self.project.input.clone(), place)),
+        });
+        let before = self.simulation.take();
+        self.simulation = Some(SimulationView {
+            number,
+            source,
+            about: String::new(),
+            recorded: Recorded::default(),
+            outcome: None,
+            wood: None,
+            look: Look::Rods,
+            playback: Playback::default(),
+            asked: None,
+            shown: None,
+            drawn: None,
+            rest_radius: 1.0,
+            camera_before: before.map_or(self.camera, |b| b.camera_before),
+            takes: false,
+            seen: 0.0,
+        });
+    }
+
+    /// Goes back to the break.
+    pub(super) fn end_simulation(&mut self) {
+        if let Some(simulation) = self.simulation.take() {
+            self.platform.cancel(Lane::Simulation);
+            self.camera = simulation.camera_before;
+            self.frame_shown();
+        }
+    }
+
+    /// The simulation that is looked at.
+    pub fn simulation(&self) -> Option<&SimulationView> {
+        self.simulation.as_ref()
+    }
+
+    /// Whether a simulation is at work, or a frame of it is being drawn.
+    pub(super) fn simulates(&self) -> bool {
+        let works = self.platform.progress(Lane::Simulation).is_some();
+        let waits = |s: &SimulationView| s.asked.is_some() || s.takes || s.playback.playing;
+        works || self.simulation.as_ref().is_some_and(waits)
+    }
+
+    /// Takes news of the simulation that is looked at.
+    pub(super) fn take_simulated(&mut self, number: u64, news: News, now: f64) {
+        let Some(simulation) = self.simulation.as_mut().filter(|s| s.number == number) else {
+            return;
+        };
+        match news {
+            News::Begun(about) => simulation.about = about,
+            News::Recorded(recorded) => {
+                simulation.recorded = recorded;
+                simulation.playback.recorded(simulation.frames());
+            }
+            News::Ended(Ok(outcome)) => {
+                simulation.outcome = Some(outcome);
+                simulation.playback.follows = false;
+            }
+            News::Ended(Err(failure)) => {
+                simulation.asked = None;
+                let nothing = simulation.frames() == 0;
+                self.fail(&failure);
+                if nothing {
+                    self.end_simulation();
+                }
+            }
+            News::Wood(wood) => {
+                if wood == Ok(true) {
+                    simulation.look = Look::Wood;
+                }
+                simulation.wood = Some(wood.map(drop));
+            }
+            News::Frame(number, look, frame) => {
+                simulation.asked = None;
+                simulation.shown = Some((number, look));
+                let first = simulation.drawn.is_none();
+                self.numbers += 1;
+                simulation.rest_radius = frame.rest_radius as f32;
+                simulation.drawn = Some((self.numbers, Arc::new(frame.scene)));
+                if first {
+                    self.camera.z_up = false;
+                    self.frame_all();
+                }
+            }
+            News::Taken(taken) => {
+                simulation.takes = false;
+                match taken {
+                    Ok(taken) => self.use_taken(*taken, now),
+                    Err(failure) => self.fail(&failure),
+                }
+            }
+        }
+    }
+
+    /// Breaks the stem as the simulation did.
+    fn use_taken(&mut self, taken: Taken, now: f64) {
+        let Taken { mut request, input } = taken;
+        let base = match &input {
+            Some(_) => RequestFile::default(),
+            None => self.project.file.clone(),
+        };
+        request.texture_width = base.texture_width;
+        let mut file = base.with_request(&request);
+        if let [only] = &file.breaks[..] {
+            file.common = only.clone();
+            file.breaks.clear();
+        }
+        self.end_simulation();
+        match input {
+            Some(input) => self.begin(Opened::Project(input, Box::new(file.into())), ""),
+            None => {
+                let next = |present: &mut RequestFile| {
+                    *present = file;
+                    Ok::<(), String>(())
+                };
+                let step = self.project.change("break of the simulation", false, next);
+                self.finish_step(step, now);
+            }
+        }
+        self.changed_at = Some(now);
+        self.said = "This is the break that the simulation left.".to_owned();
+    }
+
+    /// Starts to take the break that the simulation left.
+    pub(super) fn take_break(&mut self) {
+        let at_hand = self.project.input.id;
+        if let Some(simulation) = &mut self.simulation {
+            simulation.takes = true;
+            self.platform.take_break(at_hand);
+        }
+    }
+
+    /// Plays on, and asks for the frame that is to be shown.
+    pub(super) fn follow_simulation(&mut self, ctx: &egui::Context, now: f64) {
+        let Some(simulation) = &mut self.simulation else {
+            return;
+        };
+        let passed = now - simulation.seen;
+        simulation.seen = now;
+        let count = simulation.frames();
+        simulation.playback.advance(passed, count);
+        if simulation.playback.playing {
+            ctx.request_repaint();
+        }
+        let wanted = (simulation.playback.at, simulation.look);
+        let is_there = simulation.shown == Some(wanted);
+        if count > 0 && !is_there && simulation.asked.is_none() {
+            simulation.asked = Some(wanted);
+            self.platform.draw_frame(wanted.0, wanted.1);
+        }
+    }
+
+    /// Space plays and pauses, the arrows step.
+    pub(super) fn simulation_keys(&mut self, ctx: &egui::Context) {
+        if ctx.text_edit_focused() || self.dialog.is_some() {
+            return;
+        }
+        let Some(simulation) = &mut self.simulation else {
+            return;
+        };
+        let pressed = |key| ctx.input_mut(|i| i.consume_key(Modifiers::NONE, key));
+        let count = simulation.frames();
+        let playback = &mut simulation.playback;
+        if pressed(Key::Space) {
+            playback.toggle(count);
+        }
+        if pressed(Key::ArrowLeft) {
+            playback.go(playback.at.saturating_sub(1), count);
+        }
+        if pressed(Key::ArrowRight) {
+            playback.go(playback.at + 1, count);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! The panels of a simulation: its outcome and charts on the right, its timeline below.
+
+use super::charts::{chart, short};
+use super::studio::Studio;
+use crate::model::simulation::Look;
+use crate::platform::Lane;
+use eframe::egui::{self, Grid, RichText, Ui};
+
+/// Height of a chart's area, points.
+const CHART: f32 = 150.0;
+
+impl Studio {
+    /// The panel on the right.
+    pub(super) fn simulation_panel(&mut self, ui: &mut Ui) {
+        let panel = egui::Panel::right("simulation").default_size(348.0);
+        panel.size_range(280.0..=560.0).show(ui, |ui| {
+            ui.add_space(4.0);
+            let mut close = false;
+            ui.horizontal(|ui| {
+                let title = self.simulation.as_ref().map_or("", |s| s.source.title());
+                ui.heading(title);
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    close = ui
+                        .button("Back to the break")
+                        .on_hover_text("Leaves the simulation, and gives it up.")
+                        .clicked();
+                });
+            });
+            egui::ScrollArea::vertical()
+                .auto_shrink([false, false])
+                .show(ui, |ui| self.simulation_report(ui));
+            if close {
+                self.end_simulation();
+            }
+        });
+    }
+
+    fn simulation_report(&mut self, ui: &mut Ui) {
+        let Some(simulation) = &self.simulation else {
+            return;
+        };
+        ui.add(egui::Label::new(&simulation.about).wrap());
+        ui.separator();
+        let works = self.platform.progress(Lane::Simulation).is_some();
+        let mut take = false;
+        match &simulation.outcome {
+            Some(outcome) => {
+                Grid::new("outcome")
+                    .num_columns(2)
+                    .striped(true)
+                    .show(ui, |ui| {
+                        for (name, value) in &outcome.facts {
+                            ui.label(RichText::new(name).weak());
+                            ui.add(egui::Label::new(value).wrap().selectable(true));
+                            ui.end_row();
+                        }
+                    });
+                if !outcome.report.is_empty() {
+                    let report = RichText::new(&outcome.report).monospace().small();
+                    ui.collapsing("Whole report", |ui| {
+                        ui.add(egui::Label::new(report).wrap().selectable(true));
+                    });
+                }
+                let usable = outcome.broke && simulation.wood.is_some() && !simulation.takes;
+                let button = egui::Button::new(RichText::new("Take this break").strong());
+                take = ui
+                    .add_enabled(usable, button)
+                    .on_hover_text(
+                        "Breaks the stem along the faces that the end of the run decided, with all sliders of a break.",
+                    )
+                    .clicked();
+                if let Some(Err(problem)) = &simulation.wood {
+                    let text = format!("Drawn as rods: {problem}");
+                    ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
+                }
+            }
+            None if works => drop(ui.label("The wood is being moved …")),
+            None => drop(ui.label("The simulation was stopped before its end.")),
+        }
+        ui.separator();
+        let at = simulation.recorded.times.get(simulation.playback.at);
+        ui.label(RichText::new("Load over deflection").small().weak());
+        chart(ui, &simulation.recorded.load, CHART, None);
+        ui.add_space(6.0);
+        ui.label(RichText::new("Energies").small().weak());
+        chart(ui, &simulation.recorded.energy, CHART, at.copied());
+        if take {
+            self.take_break();
+        }
+    }
+
+    /// The line below the picture that plays, steps and scrubs.
+    pub(super) fn timeline(&mut self, ui: &mut Ui) {
+        let Some(simulation) = &mut self.simulation else {
+            return;
+        };
+        let count = simulation.frames();
+        let has_wood = simulation.wood == Some(Ok(()));
+        egui::Panel::bottom("timeline").show(ui, |ui| {
+            ui.horizontal(|ui| {
+                let playback = &mut simulation.playback;
+                let label = if playback.playing { "Pause" } else { "Play" };
+                let play = egui::Button::new(label).min_size(egui::vec2(52.0, 0.0));
+                if ui
+                    .add(play)
+                    .on_hover_text("Plays or pauses (Space).")
+                    .clicked()
+                {
+                    playback.toggle(count);
+                }
+                for (label, name, by) in [("‹", "One frame back", -1), ("›", "One frame on", 1)]
+                {
+                    let button = ui.button(label).on_hover_text(name);
+                    button
+                        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
+                    if button.clicked() {
+                        playback.go(playback.at.saturating_add_signed(by), count);
+                    }
+                }
+                let last = count.saturating_sub(1);
+                let mut at = playback.at;
+                ui.spacing_mut().slider_width = (ui.available_width() - 330.0).max(80.0);
+                let slider = egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false);
+                let response = ui.add_enabled(last > 0, slider);
+                response.widget_info(|| egui::WidgetInfo::slider(true, at as f64, "Frame"));
+                if at != playback.at {
+                    playback.go(at, count);
+                }
+                let time = simulation.recorded.times.get(playback.at).copied();
+                let time = time.map_or(String::new(), |t| format!("{} s", short(t)));
+                ui.monospace(format!("{:>3}/{last} {time:>8}", playback.at));
+                ui.spacing_mut().slider_width = 60.0;
+                let speed = egui::DragValue::new(&mut playback.speed);
+                ui.add(
+                    speed
+                        .range(0.05..=8.0)
+                        .speed(0.02)
+                        .prefix("speed ")
+                        .max_decimals(2),
+                )
+                .on_hover_text("1 is 24 frames a second.");
+                ui.separator();
+                ui.selectable_value(&mut simulation.look, Look::Rods, "Rods");
+                ui.add_enabled_ui(has_wood, |ui| {
+                    ui.selectable_value(&mut simulation.look, Look::Wood, "Wood")
+                        .on_disabled_hover_text("The wood is cut when the run has ended.");
+                });
+            });
+        });
+    }
+}

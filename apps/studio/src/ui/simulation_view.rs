@@ -1,0 +1,47 @@
+//! The simulation that is looked at, as the window knows it.
+
+use crate::model::meshes::DrawnScene;
+use crate::model::simulation::{Look, Outcome, Playback, Recorded, Source};
+use crate::view::camera::Camera;
+use std::sync::Arc;
+
+/// A simulation that is looked at.
+pub struct SimulationView {
+    /// Tells it apart from those before.
+    pub number: u64,
+    /// What is simulated.
+    pub source: Source,
+    /// What its scene shows, in a sentence.
+    pub about: String,
+    /// What is recorded so far.
+    pub recorded: Recorded,
+    /// What became of the wood, once it ended.
+    pub outcome: Option<Outcome>,
+    /// Whether it can be drawn as wood, or why not; none while that is worked out.
+    pub wood: Option<Result<(), String>>,
+    /// How frames are drawn.
+    pub look: Look,
+    /// Where its playback is.
+    pub playback: Playback,
+    /// The frame that is being drawn.
+    pub asked: Option<(usize, Look)>,
+    /// The frame that is shown.
+    pub shown: Option<(usize, Look)>,
+    /// The frame as the card draws it, with a number that tells it apart.
+    pub drawn: Option<(u64, Arc<DrawnScene>)>,
+    /// Radius of everything before it moved, m.
+    pub rest_radius: f32,
+    /// The camera as it was before.
+    pub camera_before: Camera,
+    /// Whether the break that it left is being taken.
+    pub takes: bool,
+    /// When the window last looked at its playback, s.
+    pub seen: f64,
+}
+
+impl SimulationView {
+    /// Number of frames so far.
+    pub fn frames(&self) -> usize {
+        self.recorded.times.len()
+    }
+}

@@ -1,0 +1,174 @@
+//! Simulations: run beside the window, played, drawn as rods and as wood, stopped, and taken as a still break.
+
+use crate::common::{Folder, settle, studio};
+use eframe::egui::{Key, Modifiers};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use greenstick::RequestFile;
+use greenstick_studio::model::simulation::{Look, Source};
+use greenstick_studio::ui::studio::Studio;
+use std::time::{Duration, Instant};
+
+/// A rod that tears within a second or two of work.
+const TORN: &str = "about = 'a rod is torn'\nduration = 0.5\nframes_per_second = 20.0\nfor_length = '15 cm'\n\
+    solver = 'interactive'\n[stem]\nkind = 'cylinder'\nlength = '15 cm'\ndiameter = '1 cm'\n[failure]\nevery = 8\n\
+    [rods]\nnumber = 24\nedge = ['6 mm', '9 mm']\nweibull = 12.0\n[[clamp]]\nto = 0.06\n[[clamp]]\nfrom = 0.94\nto = 1.0\n\
+    velocity = [0.01, 0.0, 0.0]\n";
+
+fn scene(folder: &Folder, text: &str) -> String {
+    let path = folder.0.join("torn.toml");
+    std::fs::write(&path, text).unwrap();
+    path.display().to_string()
+}
+
+fn middle(studio: &Studio) -> f32 {
+    let drawn = studio.simulation().unwrap().drawn.as_ref().unwrap();
+    let sum: f32 = drawn.1.vertices.iter().map(|v| v.position[0].abs()).sum();
+    sum / drawn.1.vertices.len() as f32
+}
+
+fn errors(harness: &Harness<'_, Studio>) -> usize {
+    let messages = harness.state().messages();
+    messages.iter().filter(|m| m.is_error).count()
+}
+
+#[test]
+fn a_scene_is_simulated_played_and_taken_as_a_break_that_projects_keep() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, Some(&scene(&folder, TORN)));
+    settle(&mut harness);
+    assert_eq!(errors(&harness), 0, "{:?}", harness.state().messages());
+    let simulation = harness.state().simulation().unwrap();
+    assert_eq!(simulation.about, "a rod is torn");
+    assert_eq!(simulation.frames(), 11);
+    let outcome = simulation.outcome.as_ref().unwrap();
+    assert!(outcome.broke && outcome.report.contains("outcome"));
+    let fact = |name: &str| outcome.facts.iter().any(|f| f.0 == name);
+    assert!(fact("Mode") && fact("Greatest load") && fact("Pieces"));
+    assert!(!simulation.recorded.load.lines.is_empty());
+    assert!(simulation.recorded.energy.lines.len() > 4);
+    assert_eq!(simulation.wood, Some(Ok(())));
+    // The last frame is shown; at first the rod was shorter.
+    let end = middle(harness.state());
+    harness.get_by_label("Rods").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().simulation().unwrap().look, Look::Rods);
+    let rods = middle(harness.state());
+    assert!((rods / end - 1.0).abs() < 0.5, "{rods} {end}");
+    harness.key_press(Key::ArrowLeft);
+    settle(&mut harness);
+    assert_eq!(harness.state().simulation().unwrap().shown.unwrap().0, 9);
+    assert!(middle(harness.state()) < rods);
+    // From the end, it plays from the start to the end.
+    harness.key_press(Key::ArrowRight);
+    harness.key_press(Key::Space);
+    harness.step();
+    assert!(harness.state().simulation().unwrap().playback.playing);
+    settle(&mut harness);
+    assert_eq!(harness.state().simulation().unwrap().shown.unwrap().0, 10);
+
+    harness.get_by_label("Take this break").click();
+    settle(&mut harness);
+    assert!(harness.state().simulation().is_none());
+    assert_eq!(errors(&harness), 0, "{:?}", harness.state().messages());
+    let report = harness.state().report().unwrap();
+    assert!((report.place.stem_length_m - 0.15).abs() < 0.01);
+    assert!(report.pieces.len() >= 2);
+    assert!(harness.state().project.is_changed());
+    let triangles = harness.state().triangles();
+    let project = folder.0.join("torn.greenstick.toml");
+    harness.state_mut().save_as(project.to_str().unwrap());
+    assert!(!harness.state().project.is_changed());
+    let text = std::fs::read_to_string(&project).unwrap();
+    let recipe = RequestFile::resolve(&[], Some(&text), &[]).unwrap();
+    assert_eq!(recipe.input.as_deref(), Some("torn_stem.glb"));
+    assert!(folder.0.join("torn_stem.glb").is_file());
+    let mut again = studio(&folder, Some(project.to_str().unwrap()));
+    settle(&mut again);
+    assert_eq!(errors(&again), 0, "{:?}", again.state().messages());
+    assert_eq!(again.state().triangles(), triangles);
+}
+
+#[test]
+fn a_simulation_is_stopped_and_left_and_the_window_stays_awake() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let triangles = harness.state().triangles();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::M);
+    harness.run_steps(2);
+    harness.get_by_label("twist").click();
+    harness.run_steps(2);
+    harness.get_by_label("Start").click();
+    let start = Instant::now();
+    let mut longest = Duration::ZERO;
+    let frames = |h: &Harness<'_, Studio>| h.state().simulation().map_or(0, |s| s.frames());
+    while frames(&harness) < 3 {
+        assert!(start.elapsed() < Duration::from_secs(200), "no frames");
+        let before = Instant::now();
+        harness.step();
+        longest = longest.max(before.elapsed());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(longest < Duration::from_secs(1), "{longest:?}");
+    harness.key_press(Key::Escape);
+    settle(&mut harness);
+    // What was recorded stays to be looked at.
+    let simulation = harness.state().simulation().unwrap();
+    assert!(simulation.outcome.is_none() && simulation.drawn.is_some());
+    assert_eq!(simulation.source, Source::BuiltIn("twist".to_owned()));
+    harness.get_by_label("Back to the break").click();
+    settle(&mut harness);
+    assert!(harness.state().simulation().is_none());
+    assert_eq!(harness.state().triangles(), triangles);
+    assert_eq!(errors(&harness), 0);
+}
+
+#[test]
+fn the_stem_at_hand_is_simulated_and_its_break_is_one_step() {
+    let folder = Folder::new();
+    let mesh = folder.0.join("rod.glb");
+    let mut rod = greenstick::wood::primitive::cylinder(0.006, 0.2, 24);
+    rod.materials.clear();
+    let node = greenstick::geometry::Node::new("rod", glam::DAffine3::IDENTITY, rod);
+    let made = greenstick::geometry::Scene {
+        nodes: vec![node],
+        ..greenstick::geometry::Scene::default()
+    };
+    let unit = greenstick::formats::LengthUnit::Metre;
+    let outputs = greenstick::files::encode(&made, &mesh, unit).unwrap();
+    greenstick::files::write_all(&outputs).unwrap();
+    let mut harness = studio(&folder, Some(mesh.to_str().unwrap()));
+    settle(&mut harness);
+    let before = harness.state().project.file.clone();
+    let source = Source::File(scene(&folder, TORN));
+    harness.state_mut().begin_simulation(source, true);
+    settle(&mut harness);
+    assert_eq!(errors(&harness), 0, "{:?}", harness.state().messages());
+    assert!(harness.state().simulation().unwrap().outcome.is_some());
+    harness.get_by_label("Take this break").click();
+    settle(&mut harness);
+    assert_eq!(errors(&harness), 0, "{:?}", harness.state().messages());
+    assert_eq!(harness.state().project.input.file_name(), Some("rod.glb"));
+    assert_ne!(harness.state().project.file, before);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, before);
+}
+
+#[test]
+fn a_scene_with_a_mistake_gives_a_message_and_leaves_the_break() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let path = folder.0.join("scene.toml");
+    std::fs::write(&path, TORN.replace("'cylinder'", "'cylindre'")).unwrap();
+    harness.state_mut().open(path.to_str().unwrap());
+    settle(&mut harness);
+    harness.run_steps(10);
+    let messages = harness.state().messages();
+    assert_eq!(messages.len(), 1, "{messages:?}");
+    assert!(messages[0].is_error && messages[0].text.contains("scene.toml"));
+    assert!(messages[0].text.contains("cylindre"), "{messages:?}");
+    assert!(harness.state().simulation().is_none() && harness.state().report().is_some());
+}
