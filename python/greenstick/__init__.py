@@ -32,10 +32,12 @@ from greenstick._native import (
     built_in_branch,
     presets,
     rings,
+    scenes,
     simulate,
     species,
 )
 from greenstick._sweeps import Sweep, sweep
+from greenstick._usd import scene_from_usd
 from greenstick.errors import Cancelled, GreenstickError
 
 __all__ = [
@@ -67,6 +69,8 @@ __all__ = [
     "errors",
     "presets",
     "rings",
+    "scene_from_usd",
+    "scenes",
     "simulate",
     "species",
     "sweep",

@@ -47,7 +47,7 @@ mod _native {
     #[pymodule_export]
     use super::session::{Piece, Session};
     #[pymodule_export]
-    use super::simulation::{Frame, Run, simulate};
+    use super::simulation::{Frame, Run, scenes, simulate};
     #[pymodule_export]
     use super::species::{Species, species};
     #[pymodule_export]

@@ -9,7 +9,7 @@ use crate::values::each;
 use crate::work;
 use greenstick::ErrorKind;
 use greenstick::fibre::Event;
-use greenstick::fibre::scene::{Scene as Setting, SceneError, StemChoice};
+use greenstick::fibre::scene::{BUILT_IN, Scene as Setting, SceneError, StemChoice};
 use greenstick::fibre::store::{
     Checkpoint, EnergyRow, ForceRow, Frame as Recorded, FrameTimes, Progress, Record,
 };
@@ -327,6 +327,17 @@ impl RunSource for Telling<'_> {
     fn frame(&self, number: usize) -> Result<Arc<Recorded>, RunError> {
         self.run.frame(number)
     }
+}
+
+/// The scenes that come with the library, each with one line about it.
+#[pyfunction]
+pub fn scenes(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let dictionary = PyDict::new(py);
+    for built_in in BUILT_IN {
+        let scene = built_in.scene().map_err(scene_failure)?;
+        dictionary.set_item(built_in.name, scene.about)?;
+    }
+    Ok(dictionary)
 }
 
 /// Moves wood as bonded fibres until it breaks.

@@ -1,4 +1,4 @@
-//! Sweeps: many breaks, simulations or bending tests with parameters that vary.
+//! Sweeps: many breaks, simulations or bending tests with parameters that vary, and forests.
 
 use crate::convert::report;
 use crate::failure::Failure;
@@ -15,7 +15,10 @@ pub const MANY: u64 = 10_000;
 impl From<SweepError> for Failure {
     fn from(error: SweepError) -> Self {
         let class = match &error {
-            SweepError::Recipe(_) | SweepError::Vary { .. } | SweepError::TooMany { .. } => {
+            SweepError::Recipe(_)
+            | SweepError::Vary { .. }
+            | SweepError::Forest { .. }
+            | SweepError::TooMany { .. } => {
                 "ParameterError"
             }
             SweepError::Scene(_) | SweepError::SceneFile { .. } => "SimulateError",
@@ -36,6 +39,7 @@ struct Report {
     failed: u64,
     table: Option<PathBuf>,
     sheet: Option<PathBuf>,
+    scene: Option<PathBuf>,
 }
 
 /// A sweep that is described in TOML, whose relative files begin in `folder`.
@@ -128,7 +132,8 @@ pub fn _sweep<'py>(
             None => Some(run.overview(&journal, &context.silenced())?),
             Some(_) => None,
         };
-        let (table, sheet) = overview.map_or((None, None), |o| (Some(o.table), o.sheet));
+        let (table, sheet, scene) =
+            overview.map_or((None, None, None), |o| (Some(o.table), o.sheet, o.scene));
         Ok(Report {
             variants,
             found,
@@ -136,6 +141,7 @@ pub fn _sweep<'py>(
             failed: journal.failed(),
             table,
             sheet,
+            scene,
         })
     })?;
     report(py, &made)

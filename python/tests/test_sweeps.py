@@ -12,7 +12,7 @@ from typing import Any
 
 import greenstick
 import pytest
-from conftest import PROGRAM
+from conftest import PROGRAM, needs
 
 TOML = """
 [break]
@@ -128,7 +128,7 @@ def test_the_folder_of_another_sweep_is_refused(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def cluster() -> Any:
-    ray = pytest.importorskip("ray")
+    ray = needs("ray", "GREENSTICK_NEEDS_RAY")
     ray.init(num_cpus=2, include_dashboard=False, log_to_driver=False, object_store_memory=100_000_000)
     yield ray
     ray.shutdown()
@@ -176,7 +176,7 @@ def test_a_wrong_sweep_on_a_cluster_has_the_same_error(cluster: Any, tmp_path: P
 
 
 def test_a_cluster_that_does_not_answer_is_an_error() -> None:
-    pytest.importorskip("ray")
+    needs("ray", "GREENSTICK_NEEDS_RAY")
     code = (
         "import greenstick\n"
         "try:\n"

@@ -34,6 +34,9 @@ struct Report {
     table: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     sheet: Option<String>,
+    /// Of a forest.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scene: Option<String>,
     stages: Vec<StageTime>,
 }
 
@@ -86,7 +89,8 @@ pub fn run(options: &SweepOptions) -> Result<ExitCode, Failure> {
         None => Some(run.overview(&journal, &write).map_err(stop)?),
         Some(_) => None,
     };
-    let (table, sheet) = overview.map_or((None, None), |o| (Some(o.table), o.sheet));
+    let (table, sheet, scene) =
+        overview.map_or((None, None, None), |o| (Some(o.table), o.sheet, o.scene));
     let name = |path: Option<PathBuf>| path.map(|path| path.display().to_string());
     let report = Report {
         variants: wanted,
@@ -95,6 +99,7 @@ pub fn run(options: &SweepOptions) -> Result<ExitCode, Failure> {
         failed: journal.failed(),
         table: name(table),
         sheet: name(sheet),
+        scene: name(scene),
         stages: progress.finish(),
     };
     if options.reporting.prints_report() {
@@ -156,7 +161,10 @@ pub fn read(path: &Path) -> Result<Sweep, Failure> {
 fn show(sweep: &Sweep, number: u64) -> Result<ExitCode, Failure> {
     let mut variant = sweep.variant(number)?.map_err(Failure::request)?;
     let input = sweep.input_path(&variant);
-    if let (Variant::Break(file), Some(path)) = (&mut variant, input) {
+    if let Some(forest) = sweep.forest() {
+        // A recipe breaks whole files; this one says which tree it is of.
+        print(&format!("# {}\n", forest.trees()[number as usize].name))?;
+    } else if let (Variant::Break(file), Some(path)) = (&mut variant, input) {
         let path = std::path::absolute(path).map_err(Failure::work)?;
         file.input = Some(path.display().to_string());
     }
@@ -219,11 +227,11 @@ fn format_report(report: &Report, json: bool) -> Result<String, Failure> {
         text += &format!(", {} failed (column error)", report.failed);
     }
     text += "\n";
-    if let Some(table) = &report.table {
-        text += &format!("wrote    {table}\n");
-    }
-    if let Some(sheet) = &report.sheet {
-        text += &format!("wrote    {sheet}\n");
+    for file in [&report.table, &report.sheet, &report.scene]
+        .into_iter()
+        .flatten()
+    {
+        text += &format!("wrote    {file}\n");
     }
     let total: f64 = report.stages.iter().map(|s| s.seconds).sum();
     Ok(text + &format!("time     {total:.2} s: {}\n", spent(&report.stages)))

@@ -34,6 +34,14 @@ pub enum SweepError {
         /// What is wrong, and what would be right.
         problem: String,
     },
+    /// The forest is none.
+    #[error("{}{problem}", path.as_ref().map_or(String::new(), |path| format!("{}: ", path.display())))]
+    Forest {
+        /// Its file, if one is named.
+        path: Option<PathBuf>,
+        /// What is wrong, and what would be right.
+        problem: String,
+    },
     /// There are more variants than can be numbered.
     #[error(
         "the values that vary make more than {most} variants; expected fewer values or samples"
@@ -101,6 +109,7 @@ impl SweepError {
             | SweepError::Scene(_)
             | SweepError::SceneFile { .. }
             | SweepError::Vary { .. }
+            | SweepError::Forest { .. }
             | SweepError::TooMany { .. }
             | SweepError::NoVariant { .. }
             | SweepError::Another { .. }

@@ -7,12 +7,14 @@
 //! ([`plan`], [`variant`]), so that variants can be made in any order, by any number of threads, and again. A [`Worker`] makes
 //! one ([`worker`]); a [`Journal`] keeps what came of each ([`journal`], [`figures`]); a table and a contact sheet are made of
 //! the journal ([`table`], [`sheet`]). A [`Run`] does all that with several threads ([`run`]); several processes make the parts of
-//! a sweep ([`part`]), as render farms do by a job ([`job`]).
+//! a sweep ([`part`]), as render farms do by a job ([`job`]). The variants of a [`forest`] are the trees of one scene, which is
+//! written with the pieces of those that broke.
 #![deny(missing_docs)]
 
 pub mod axis;
 mod error;
 pub mod figures;
+pub mod forest;
 pub mod input;
 pub mod job;
 pub mod journal;
@@ -30,6 +32,7 @@ pub mod variant;
 pub mod worker;
 
 pub use error::SweepError;
+pub use forest::Forest;
 pub use input::{Input, InputError};
 pub use journal::{Journal, Record};
 pub use part::Part;

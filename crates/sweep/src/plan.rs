@@ -2,16 +2,18 @@
 
 use crate::axis::Axis;
 use crate::error::SweepError;
+use crate::forest::Forest;
 use crate::sobol;
 use crate::variant::Variant;
 use greenstick::formats::LengthUnit;
 use greenstick::fracture::recipe::RecipeError;
 use greenstick::schema::{
-    FILE_NAME, ParameterError, Parameters, Value, choice, choices, content_hash, count, flag,
-    parameters, read_table, syntax_error, text, write_toml,
+    FILE_NAME, Format, ParameterError, Parameters, Unit, Value, choice, choices, content_hash,
+    count, flag, number, parameters, read_table, syntax_error, text, write_toml,
 };
 use greenstick::wood::noise;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
 /// Most variants of a sweep: those that are done are kept in memory, a bit each.
@@ -19,6 +21,14 @@ pub const MAX_VARIANTS: u64 = 1 << 30;
 /// The tables of a sweep that no recipe has.
 const SWEEP: &str = "sweep";
 const VARY: &str = "vary";
+/// Names of nodes, as patterns.
+const NAMES: Format = Format {
+    name: "NAMES",
+    check: |names| match names.split(',').all(|name| name.trim().is_empty()) {
+        true => Err("it has no name; expected names such as \"Tree_*\"".to_owned()),
+        false => Ok(()),
+    },
+};
 /// What random samples are drawn for, in the hash that draws them.
 const DRAW: i64 = 0x5357;
 
@@ -31,6 +41,8 @@ choices! {
         Scene = "scene",
         /// Bending tests: they are those of `bend-test`, and `species`.
         BendTest = "bend-test",
+        /// Breaks of the trees of one scene, each of which is a variant: they are those of a recipe.
+        Forest = "forest",
     }
     /// How values between two bounds are drawn.
     pub enum Sampling {
@@ -66,18 +78,25 @@ parameters! {
             kind: SweepKind = SweepKind::Break, choice(SweepKind::CHOICES);
             /// The scene whose keys vary: one that comes with the program, or a file (.toml).
             scene: Option<String> = None, text(FILE_NAME).auto();
-            /// The mesh that is simulated in place of the scene's stem.
+            /// The mesh that is simulated in place of the scene's stem, or the scene whose trees break.
             input: Option<String> = None, text(FILE_NAME).auto();
-            /// Unit of length in that mesh, where its format has none.
+            /// Unit of length in it, where its format has none.
             unit: Option<LengthUnit> = None, choice(LengthUnit::CHOICES).auto();
+            /// Names of the nodes of a forest that are trees: `*` stands for any letters, `?` for one, and commas between several;
+            /// "auto" is `Tree_*`. What a node carries belongs to its tree.
+            nodes: Option<String> = None, text(NAMES).auto();
+            /// Names, likewise, of the trees of a forest that may break; "auto" is all.
+            only: Option<String> = None, text(NAMES).auto();
+            /// Share of these that break, drawn by the seed below; "auto" is 1.
+            share: Option<f64> = None, number(Unit::Fraction, 0.0, 1.0).auto();
             /// How values between two bounds are drawn.
             sampling: Sampling = Sampling::Sobol, choice(Sampling::CHOICES);
-            /// Samples of the drawn values, for each combination of the others.
+            /// Samples of the drawn values, for each combination of the others. Each tree of a forest is a sample.
             samples: u32 = 1, count(1, u32::MAX as i128).logarithmic();
             /// Seed of the drawn values.
             seed: u64 = 1, count(0, i64::MAX as i128);
             /// Format of the pieces of a break, or of what the last frame of a simulation shows; "auto" is glb for breaks, and
-            /// none for simulations. Bending tests have no pieces.
+            /// none for simulations. Bending tests have no pieces. Of a forest, format of the scene: glb, gltf or none.
             file: Option<PieceFormat> = None, choice(PieceFormat::CHOICES).auto();
             /// Whether the wood inside gets textures.
             textures: bool = true, flag();
@@ -86,34 +105,69 @@ parameters! {
         }
     }
     check |p| {
-        let scene_only = [
-            ("scene", p.scene.is_some()),
-            ("input", p.input.is_some()),
-            ("unit", p.unit.is_some()),
-        ];
-        if let (Some((key, _)), true) = (scene_only.iter().find(|g| g.1), p.kind != SweepKind::Scene) {
-            return Err(ParameterError::Conflict(format!(
-                "{key} belongs to simulations, but kind is \"{}\"; expected kind = \"scene\" with it", p.kind.word()
-            )));
-        }
-        match (p.kind, p.file) {
-            (SweepKind::BendTest, Some(file)) if file != PieceFormat::None => {
-                Err(ParameterError::Conflict(format!(
-                    "file is \"{}\", but bending tests have no pieces; expected \"none\"", file.word()
-                )))
-            }
-            _ => Ok(()),
-        }
+        check_kind(p)
     };
+}
+
+/// Checks that nothing belongs to another kind of sweep.
+fn check_kind(p: &SweepSettings) -> Result<(), ParameterError> {
+    use SweepKind::{Forest, Scene};
+    let forest = "forests, but kind is \"{}\"; expected kind = \"forest\" with it";
+    let both = "simulations and forests, but kind is \"{}\"; expected kind = \"scene\" or \"forest\" with it";
+    let scene = "simulations, but kind is \"{}\"; expected kind = \"scene\" with it";
+    let belonging: [(&str, bool, &[SweepKind], &str); 6] = [
+        ("scene", p.scene.is_some(), &[Scene], scene),
+        ("input", p.input.is_some(), &[Scene, Forest], both),
+        ("unit", p.unit.is_some(), &[Scene, Forest], both),
+        ("nodes", p.nodes.is_some(), &[Forest], forest),
+        ("only", p.only.is_some(), &[Forest], forest),
+        ("share", p.share.is_some(), &[Forest], forest),
+    ];
+    for (key, given, kinds, what) in belonging {
+        if given && !kinds.contains(&p.kind) {
+            let what = what.replace("{}", p.kind.word());
+            return Err(ParameterError::Conflict(format!("{key} belongs to {what}")));
+        }
+    }
+    if p.kind == Forest && p.samples != 1 {
+        return Err(ParameterError::Conflict(format!(
+            "samples is {}, but every tree of a forest is a sample; expected no samples with kind = \"forest\"",
+            p.samples
+        )));
+    }
+    let found = p.file.map_or("", PieceFormat::word);
+    match (p.kind, p.file) {
+        (SweepKind::BendTest, Some(file)) if file != PieceFormat::None => {
+            Err(ParameterError::Conflict(format!(
+                "file is \"{found}\", but bending tests have no pieces; expected \"none\""
+            )))
+        }
+        (Forest, Some(_)) if !["glb", "gltf", "none"].contains(&found) => {
+            Err(ParameterError::Conflict(format!(
+                "file is \"{found}\", which keeps no instances; expected \"glb\", \"gltf\" or \"none\" for a forest"
+            )))
+        }
+        _ => Ok(()),
+    }
 }
 
 impl SweepSettings {
     /// The format of the files of variants.
     pub fn piece_format(&self) -> PieceFormat {
-        self.file.unwrap_or(match self.kind {
-            SweepKind::Break => PieceFormat::Glb,
-            SweepKind::Scene | SweepKind::BendTest => PieceFormat::None,
-        })
+        match (self.kind, self.file) {
+            (_, Some(PieceFormat::None)) => PieceFormat::None,
+            // Pieces of trees wait in it for the scene that they become part of.
+            (SweepKind::Forest, _) => PieceFormat::Glb,
+            (SweepKind::Break, None) => PieceFormat::Glb,
+            (SweepKind::Scene | SweepKind::BendTest, None) => PieceFormat::None,
+            (_, Some(format)) => format,
+        }
+    }
+
+    /// The ending of the scene of a forest; `None` where none is written.
+    pub(crate) fn scene_ending(&self) -> Option<&'static str> {
+        let format = self.file.unwrap_or(PieceFormat::Glb);
+        (self.kind == SweepKind::Forest && format != PieceFormat::None).then(|| format.word())
     }
 }
 
@@ -128,6 +182,8 @@ pub struct Sweep {
     pub axes: Vec<Axis>,
     /// The folder that a relative input starts from.
     pub folder: PathBuf,
+    /// The trees that are the variants of a forest.
+    pub(crate) forest: Option<Arc<Forest>>,
     count: u64,
 }
 
@@ -167,7 +223,9 @@ impl Sweep {
         settings.check().map_err(RecipeError::from)?;
         let base = Variant::read(&settings, (table, text), [SWEEP, VARY], folder)?;
         let axes = axes(base.parameters(), text)?;
-        let drawn = axes.iter().filter(|axis| axis.is_drawn()).count();
+        let is_forest = settings.kind == SweepKind::Forest;
+        let drawn = axes.iter().filter(|axis| is_forest || axis.is_drawn());
+        let drawn = drawn.count();
         if drawn > sobol::MAX_DIMENSIONS && settings.sampling == Sampling::Sobol {
             return Err(SweepError::Vary {
                 key: axes[axes.len() - 1].info.key.clone(),
@@ -177,14 +235,15 @@ impl Sweep {
                 ),
             });
         }
-        let samples = if drawn > 0 {
-            u64::from(settings.samples)
-        } else {
-            1
+        let forest = match is_forest {
+            true => Some(Arc::new(Forest::load(&settings, folder)?)),
+            false => None,
         };
-        let count = axes
-            .iter()
-            .try_fold(samples, |n, axis| n.checked_mul(axis.count()));
+        let count = match (&forest, drawn) {
+            (Some(forest), _) => Some(forest.trees().len() as u64),
+            (None, 0) => combinations(1, &axes),
+            (None, _) => combinations(u64::from(settings.samples), &axes),
+        };
         let count = count
             .filter(|n| *n <= MAX_VARIANTS)
             .ok_or(SweepError::TooMany { most: MAX_VARIANTS })?;
@@ -193,8 +252,14 @@ impl Sweep {
             settings,
             axes,
             folder: folder.to_owned(),
+            forest,
             count,
         })
+    }
+
+    /// The trees that are the variants of a forest.
+    pub fn forest(&self) -> Option<&Forest> {
+        self.forest.as_deref()
     }
 
     /// The number of variants.
@@ -204,6 +269,9 @@ impl Sweep {
 
     /// Returns the values of a variant, those of each axis.
     pub fn values(&self, number: u64) -> Vec<Value> {
+        if self.forest.is_some() {
+            return self.values_of_tree(number);
+        }
         let combined: u64 = self.axes.iter().map(Axis::count).product();
         let samples = (self.count / combined).max(1);
         let sample = number % samples;
@@ -219,6 +287,16 @@ impl Sweep {
             let drawn = self.drawn((number, sample), dimension);
             dimension += usize::from(axis.is_drawn());
             axis.value(place, drawn)
+        })
+        .collect()
+    }
+
+    /// Returns the values of a tree: all are drawn, listed ones from their lists.
+    fn values_of_tree(&self, number: u64) -> Vec<Value> {
+        let axes = self.axes.iter().enumerate();
+        axes.map(|(dimension, axis)| {
+            let drawn = self.drawn((number, number), dimension);
+            axis.value((drawn * axis.count() as f64) as u64, drawn)
         })
         .collect()
     }
@@ -249,6 +327,13 @@ impl Sweep {
             });
         }
         let mut variant = self.base.clone();
+        if let Some(forest) = &self.forest {
+            let (key, base) = variant.seed();
+            let seed = Value::Integer(forest.seed(base, number).into());
+            if let Err(error) = variant.set(key, &seed) {
+                return Ok(Err(error.to_string()));
+            }
+        }
         let set = self.axes.iter().zip(self.values(number));
         let set = set.map(|(axis, value)| variant.set(&axis.info.key, &value));
         let whole = set
@@ -260,9 +345,27 @@ impl Sweep {
 
     /// Whether the contact sheet shows a variant.
     pub fn is_shown(&self, number: u64) -> bool {
-        let shown = u64::from(self.settings.sheet).min(self.count);
+        let (place, count) = match self.forest() {
+            // Of a forest, trees that break.
+            Some(forest) => match forest.place_among_breaking(number) {
+                Some(place) => (place, forest.breaking()),
+                None => return false,
+            },
+            None => (number, self.count),
+        };
+        let shown = u64::from(self.settings.sheet).min(count);
         // The first of each of as many equal parts.
-        shown > 0 && (number * shown) % self.count < shown
+        shown > 0 && (place * shown) % count < shown
+    }
+
+    /// The variants that the contact sheet shows, at most as many as are wanted, evenly spread over all.
+    pub fn shown(&self) -> Vec<u64> {
+        if self.forest.is_some() {
+            return (0..self.count).filter(|n| self.is_shown(*n)).collect();
+        }
+        let shown = u64::from(self.settings.sheet).min(self.count);
+        let first = |part: u64| (part * self.count).div_ceil(shown);
+        (0..shown).map(first).collect()
     }
 
     /// Returns a hash of everything that decides the variants; not for security.
@@ -270,6 +373,9 @@ impl Sweep {
         let mut text = self.base.to_toml() + &write_toml(&self.settings);
         for axis in &self.axes {
             text += &format!("{} {:?}\n", axis.info.key, axis.values);
+        }
+        for tree in self.forest.iter().flat_map(|forest| forest.trees()) {
+            text += &format!("{:?} {}\n", tree.name, tree.breaks);
         }
         content_hash(&text)
     }
@@ -290,12 +396,19 @@ impl Sweep {
     /// Returns the path of the input of a variant, relative to the working directory.
     pub fn input_path(&self, variant: &Variant) -> Option<PathBuf> {
         let name = match variant {
+            Variant::Break(_) if self.forest.is_some() => self.settings.input.as_ref(),
             Variant::Break(file) => file.input.as_ref(),
             Variant::Scene(_) => self.settings.input.as_ref(),
             Variant::Bend(_) => None,
         };
         name.map(|name| self.folder.join(name))
     }
+}
+
+/// How many combinations there are, each so often; `None` where 64 bits do not hold it.
+fn combinations(each: u64, axes: &[Axis]) -> Option<u64> {
+    let mut counts = axes.iter().map(Axis::count);
+    counts.try_fold(each, |all, count| all.checked_mul(count))
 }
 
 /// Reads what varies.

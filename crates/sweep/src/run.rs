@@ -2,6 +2,7 @@
 //! nothing else.
 
 use crate::error::SweepError;
+use crate::forest::write_scene;
 use crate::journal::{Done, Journal, Record};
 use crate::part::Part;
 use crate::plan::Sweep;
@@ -45,6 +46,8 @@ pub struct Overview {
     pub table: PathBuf,
     /// The contact sheet, if there is one.
     pub sheet: Option<PathBuf>,
+    /// The scene of a forest, if there is one.
+    pub scene: Option<PathBuf>,
 }
 
 impl Run<'_> {
@@ -100,7 +103,7 @@ impl Run<'_> {
         })
     }
 
-    /// Writes the table and the contact sheet of a whole sweep.
+    /// Writes the table and the contact sheet of a whole sweep, and the scene of a forest.
     ///
     /// # Errors
     /// [`SweepError`] where a file cannot be written, or the caller cancelled.
@@ -109,6 +112,7 @@ impl Run<'_> {
         Ok(Overview {
             table: self.folder.join(TABLE_FILE),
             sheet: write_sheet(self.sweep, self.folder)?,
+            scene: write_scene(self.sweep, journal, self.folder, context)?,
         })
     }
 

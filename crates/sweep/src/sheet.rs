@@ -17,10 +17,9 @@ pub const SHEET_FILE: &str = "sheet.png";
 /// # Errors
 /// [`SweepError::File`] where it cannot be written.
 pub fn write_sheet(sweep: &Sweep, folder: &Path) -> Result<Option<PathBuf>, SweepError> {
-    let shown = u64::from(sweep.settings.sheet).min(sweep.count());
-    // The first number of each of as many equal parts.
-    let numbers = (0..shown).map(|part| (part * sweep.count()).div_ceil(shown));
-    let cells: Vec<SheetCell> = numbers
+    let cells: Vec<SheetCell> = sweep
+        .shown()
+        .into_iter()
         .filter_map(|number| {
             let small = files::read_photograph(&folder.join(cell_file(number))).ok()?;
             Some(SheetCell {

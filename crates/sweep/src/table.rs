@@ -54,13 +54,17 @@ fn rows(sweep: &Sweep, records: &[Record]) -> Table {
         "number of the variant",
         Values::U32(numbers),
     )];
+    columns.extend(tree_columns(sweep, records));
     let values: Vec<Vec<Value>> = records.iter().map(|r| sweep.values(r.variant)).collect();
     for (k, axis) in sweep.axes.iter().enumerate() {
         columns.push(varied(axis, values.iter().map(|row| &row[k])));
     }
     let (key, seed) = sweep.base.seed();
     if sweep.axes.iter().all(|axis| axis.info.key != key) {
-        let seeds = Values::Text(vec![seed.to_string(); records.len()]);
+        // Every tree has a seed of its own.
+        let seed =
+            |record: &Record| (sweep.forest()).map_or(seed, |f| f.seed(seed, record.variant));
+        let seeds = Values::Text(records.iter().map(|r| seed(r).to_string()).collect());
         columns.push(Column::new("seed", "", "seed of the variant", seeds));
     }
     columns.extend(figures(sweep, records));
@@ -97,13 +101,41 @@ fn rows(sweep: &Sweep, records: &[Record]) -> Table {
     }
 }
 
+/// The name of each tree of a forest, and whether it broke.
+fn tree_columns(sweep: &Sweep, records: &[Record]) -> Vec<Column> {
+    let Some(forest) = sweep.forest() else {
+        return Vec::new();
+    };
+    let names = records.iter().map(|r| {
+        let tree = &forest.trees()[r.variant as usize];
+        tree.name.clone()
+    });
+    let broken = records.iter().map(|r| u32::from(r.figures.is_some()));
+    vec![
+        Column::new(
+            "tree",
+            "",
+            "name of the tree's node",
+            Values::Text(names.collect()),
+        ),
+        Column::new(
+            "broken",
+            "",
+            "1 where it broke, 0 where it stayed whole",
+            Values::U32(broken.collect()),
+        ),
+    ]
+}
+
 /// The figures of reports, a column each.
 fn figures(sweep: &Sweep, records: &[Record]) -> Vec<Column> {
     match sweep.settings.kind {
-        SweepKind::Break => numbers(records, BREAK_COLUMNS, |figures| match figures {
-            Figures::Break(figures) => Some(figures),
-            _ => None,
-        }),
+        SweepKind::Break | SweepKind::Forest => {
+            numbers(records, BREAK_COLUMNS, |figures| match figures {
+                Figures::Break(figures) => Some(figures),
+                _ => None,
+            })
+        }
         SweepKind::Scene => {
             fn run(figures: &Figures) -> Option<&RunFigures> {
                 match figures {

@@ -58,13 +58,21 @@ impl Variant {
         folder: &Path,
     ) -> Result<Self, SweepError> {
         match settings.kind {
-            SweepKind::Break => {
+            SweepKind::Break | SweepKind::Forest => {
                 let mut file = RequestFile::default();
                 presets(&mut file, table, text)?;
                 let [first, second] = others;
                 read_table(&mut file, table, text, &[PRESET, first, second])
                     .map_err(RecipeError::from)?;
                 file.complete().map_err(RecipeError::from)?;
+                if let (SweepKind::Forest, Some(input)) = (settings.kind, &file.input) {
+                    return Err(SweepError::Forest {
+                        path: None,
+                        problem: format!(
+                            "input = \"{input}\" stands outside [sweep]; expected the scene of a forest in [sweep]"
+                        ),
+                    });
+                }
                 Ok(Variant::Break(file.into()))
             }
             SweepKind::Scene => {

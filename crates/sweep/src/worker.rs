@@ -100,7 +100,8 @@ impl<'a> Worker<'a> {
     /// [`SweepError`] where the sweep cannot go on: a file cannot be written, or the caller cancelled.
     pub fn make(&mut self, number: u64, context: &Context) -> Result<Record, SweepError> {
         let made = match self.sweep.variant(number)? {
-            Ok(Variant::Break(file)) => self.broken_wood(number, &file, context),
+            Ok(Variant::Break(_)) if self.stays_whole(number) => Ok(None),
+            Ok(Variant::Break(file)) => self.broken_wood(number, &file, context).map(Some),
             Ok(Variant::Scene(scene)) => {
                 let (shown, file) = (self.sweep.is_shown(number), piece_file(self.sweep, number));
                 let target = file.map(|file| self.folder.join(file));
@@ -111,14 +112,17 @@ impl<'a> Worker<'a> {
                     let mut outputs = made.pieces;
                     outputs.extend(made.cell.map(|bytes| self.cell_output(number, bytes)));
                     self.write(&outputs, context)?;
-                    Ok(Figures::Run(made.figures))
+                    Ok(Some(Figures::Run(made.figures)))
                 })
             }
-            Ok(Variant::Bend(file)) => bend_figures(&file, context).map(Figures::Bend),
+            Ok(Variant::Bend(file)) => {
+                let figures = bend_figures(&file, context);
+                figures.map(|figures| Some(Figures::Bend(figures)))
+            }
             Err(error) => Err(Trouble::Variant(error)),
         };
         let (figures, error) = match made {
-            Ok(figures) => (Some(figures), None),
+            Ok(figures) => (figures, None),
             Err(Trouble::Variant(error)) => (None, Some(error)),
             Err(Trouble::Stop(error)) => return Err(error),
         };
@@ -130,6 +134,12 @@ impl<'a> Worker<'a> {
             figures,
             error,
         })
+    }
+
+    /// Whether a variant is a tree that is not to break.
+    fn stays_whole(&self, number: u64) -> bool {
+        let tree = (self.sweep.forest()).map(|forest| &forest.trees()[number as usize]);
+        tree.is_some_and(|tree| !tree.breaks)
     }
 
     /// The small picture of a variant as a file.
@@ -155,7 +165,16 @@ impl<'a> Worker<'a> {
     ) -> Result<Figures, Trouble> {
         let name = piece_file(self.sweep, number);
         let target = name.map(|name| self.folder.join(name));
-        let broken = self.broken(file, target.as_deref(), context)?;
+        let broken = match self.sweep.forest() {
+            Some(forest) => {
+                let (tree, textures) = (
+                    &forest.trees()[number as usize],
+                    self.sweep.settings.textures,
+                );
+                forest.broken(tree, (file, textures), context)?
+            }
+            None => self.broken(file, target.as_deref(), context)?,
+        };
         let mut outputs = Vec::new();
         if let Some(target) = &target {
             make_folder_of(target)?;

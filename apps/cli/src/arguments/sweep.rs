@@ -19,6 +19,9 @@ A sweep is a recipe with two tables more. `[vary]` has the keys that vary, each 
   inclination = [0, 15, 30]
   high.height = { between = [0.5, 2] }
 
+With `kind = 'forest'`, `input = 'forest.glb'` and `nodes = 'Tree_*'` in `[sweep]`, the trees of one scene are the variants: each
+draws its own values, and forest.glb in the folder has the pieces of those that broke.
+
 A sweep that was stopped or killed goes on with what is missing when the same command runs again.
 
 Examples
