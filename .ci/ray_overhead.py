@@ -1,13 +1,15 @@
 """What a Ray cluster adds to a sweep: `python .ci/ray_overhead.py --cores 2 --tasks 40`, in an environment with greenstick and Ray.
 
-The same sweep is made by threads of this process and by tasks of a cluster on this machine with as many cores, a task for each
-variant, in turns. Printed are the seconds of each round, and of the medians how much longer the cluster takes. Starting the cluster
-and the first task of each of its processes, which imports the library, are not counted: a sweep has them once."""
+The same parts of a sweep, of one variant each, are made by threads of this process and by tasks of a cluster on this machine with
+as many cores, in turns. Printed are the seconds of each round, and of the medians how much longer the cluster takes. Starting the
+cluster and the first task of each of its processes, which imports the library, are not counted: a sweep has them once. The machine
+must have nothing else to do."""
 
 import argparse
 import statistics
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import greenstick
@@ -24,7 +26,10 @@ def seconds(tasks: int, cores: int, folder: Path, on_ray: bool, seed: int) -> fl
     if on_ray:
         greenstick.sweep(description, folder, engine="ray", parts=tasks)
     else:
-        greenstick.sweep(description, folder, threads=cores)
+        with ThreadPoolExecutor(cores) as pool:
+            parts = [f"{number}/{tasks}" for number in range(1, tasks + 1)]
+            list(pool.map(lambda part: greenstick.sweep(description, folder, part=part, threads=1), parts))
+        greenstick.sweep(description, folder)
     return time.monotonic() - start
 
 

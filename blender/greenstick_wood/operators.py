@@ -1,4 +1,4 @@
-"""What can be done: break the selected object, at once or live while sliders move, and prepare the pieces for physics."""
+"""What can be done: break the selected object, at once or live while sliders move, simulate it, and prepare pieces for physics."""
 
 import bpy
 import greenstick
@@ -6,7 +6,8 @@ from bpy_extras import view3d_utils
 from mathutils import Vector
 
 from .exchange import ExchangeError, bring_in, scene_of, to_library, unit_scale
-from .job import Job
+from .job import Job, Simulation
+from .simulating import MARK, bring_in_film, cache_file, keys_of
 
 # Seconds between two looks at a running job.
 _PAUSE = 0.05
@@ -40,6 +41,12 @@ def target(context: bpy.types.Context) -> bpy.types.Object:
     if item is None:
         raise ExchangeError("no object is active; click on the one to break")
     return item
+
+
+def simulated(context: bpy.types.Context) -> bpy.types.Object:
+    """The object to simulate: the active mesh, or the one that the active object of a film came from."""
+    item = target(context)
+    return bpy.data.objects.get(item[MARK], item) if MARK in item else item
 
 
 class GREENSTICK_OT_break_wood(bpy.types.Operator):
@@ -128,6 +135,75 @@ class GREENSTICK_OT_break_live(bpy.types.Operator):
         context.workspace.status_text_set(None)
 
 
+class GREENSTICK_OT_simulate(bpy.types.Operator):
+    """Simulate the scene of the panel on the active object; its film appears in a collection of its own. Esc stops"""
+
+    bl_idname = "greenstick.simulate"
+    bl_label = "Simulate"
+    bl_options = {"REGISTER", "UNDO"}
+
+    poll = GREENSTICK_OT_break_wood.poll
+
+    def prepare(self, context: bpy.types.Context) -> None:
+        """Starts to simulate."""
+        settings = context.scene.greenstick
+        self.item = simulated(context)
+        self.file = cache_file(settings, self.item)
+        mesh, keys = scene_of(context, self.item), keys_of(settings)
+        self.work = Simulation(settings.simulation_scene, mesh, keys, settings.texture_size)
+        self.work.start(self.file)
+
+    def finish(self, context: bpy.types.Context) -> set[str]:
+        """Brings in what was made, or tells why nothing was."""
+        if self.work.state == "cancelled":
+            self.report({"INFO"}, "stopped; nothing was changed")
+            return {"CANCELLED"}
+        try:
+            if self.work.state != "done":
+                raise ExchangeError(self.work.message or self.work.state)
+            transform, notes = self.work.result
+            collection = bring_in_film(context, self.item, self.file, transform)
+        except ExchangeError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for note in notes:
+            self.report({"WARNING"}, note)
+        self.report({"INFO"}, f"{collection.name}: {self.file}")
+        return {"FINISHED"}
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        try:
+            self.prepare(context)
+        except (ExchangeError, greenstick.GreenstickError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.work.wait()
+        return self.finish(context)
+
+    def invoke(self, context: bpy.types.Context, _event: bpy.types.Event) -> set[str]:
+        try:
+            self.prepare(context)
+        except (ExchangeError, greenstick.GreenstickError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.timer = context.window_manager.event_timer_add(_PAUSE, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        if event.type == "ESC":
+            self.work.cancel()
+            self.work.wait()
+        elif event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        if self.work.state == "running":
+            context.workspace.status_text_set(f"{self.work.stage} {100 * self.work.fraction:.0f} %   Esc: stop")
+            return {"PASS_THROUGH"}
+        context.window_manager.event_timer_remove(self.timer)
+        context.workspace.status_text_set(None)
+        return self.finish(context)
+
+
 class GREENSTICK_OT_place(bpy.types.Operator):
     """Click on the wood: the 3D cursor goes there, and it breaks there"""
 
@@ -211,12 +287,19 @@ def _volume_text(volume_m3: float | None) -> str:
     return "open" if volume_m3 is None else f"{1e6 * volume_m3:.1f} cm³"
 
 
-_CLASSES = (GREENSTICK_OT_break_wood, GREENSTICK_OT_break_live, GREENSTICK_OT_place, GREENSTICK_OT_rigid_bodies)
+_CLASSES = (
+    GREENSTICK_OT_break_wood,
+    GREENSTICK_OT_break_live,
+    GREENSTICK_OT_simulate,
+    GREENSTICK_OT_place,
+    GREENSTICK_OT_rigid_bodies,
+)
 
 
 def _menu(menu: bpy.types.Menu, _context: bpy.types.Context) -> None:
     menu.layout.separator()
     menu.layout.operator(GREENSTICK_OT_break_wood.bl_idname)
+    menu.layout.operator(GREENSTICK_OT_simulate.bl_idname)
 
 
 def register() -> None:

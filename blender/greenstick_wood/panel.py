@@ -41,6 +41,22 @@ class GREENSTICK_PT_main(_Panel, bpy.types.Panel):
         layout.operator("greenstick.rigid_bodies", icon="RIGID_BODY")
 
 
+class GREENSTICK_PT_simulate(_Panel, bpy.types.Panel):
+    bl_label = "Simulate"
+    bl_idname = "GREENSTICK_PT_simulate"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, settings = self.layout, context.scene.greenstick
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in ("simulation_scene", "species", "simulation_keys", "simulation_cache"):
+            layout.prop(settings, name)
+        row = layout.row()
+        row.scale_y = 1.4
+        row.operator("greenstick.simulate", icon="PHYSICS")
+
+
 def _sub_panel(number: int, group: str, keys: list[str]) -> type:
     def draw(self: bpy.types.Panel, context: bpy.types.Context) -> None:
         layout, settings = self.layout, context.scene.greenstick
@@ -66,7 +82,11 @@ def _sub_panel(number: int, group: str, keys: list[str]) -> type:
     )
 
 
-_CLASSES = [GREENSTICK_PT_main] + [_sub_panel(i, g, keys) for i, (g, keys) in enumerate(_groups().items())]
+_CLASSES = [
+    GREENSTICK_PT_main,
+    *[_sub_panel(i, g, keys) for i, (g, keys) in enumerate(_groups().items())],
+    GREENSTICK_PT_simulate,
+]
 
 
 def register() -> None:

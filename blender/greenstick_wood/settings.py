@@ -98,8 +98,13 @@ def _preset_changed(settings: bpy.types.PropertyGroup, _context: bpy.types.Conte
     settings.take(settings.base())
 
 
+def _scenes() -> list[tuple[str, str, str]]:
+    about = greenstick.scenes()
+    return [(name, name.replace("-", " ").capitalize(), about[name]) for name in about]
+
+
 class GreenstickSettings(bpy.types.PropertyGroup):
-    """What *Break wood* does."""
+    """What *Break wood* and *Simulate* do."""
 
     def base(self) -> greenstick.Request:
         """The request of the preset alone."""
@@ -163,6 +168,20 @@ def _add_properties() -> None:
     notes["density"] = bpy.props.FloatProperty(
         name="Density (kg/m³)", description="Density of the wood, for rigid bodies", min=10.0, max=2000.0, default=600.0
     )
+    notes["simulation_scene"] = bpy.props.EnumProperty(
+        name="Scene", description="What happens to the wood", items=SCENES, default="bend"
+    )
+    notes["simulation_keys"] = bpy.props.StringProperty(
+        name="Keys",
+        description="Keys of the scene that are changed, as in the reference: duration = 0.5; rods.number = 40",
+    )
+    notes["simulation_cache"] = bpy.props.StringProperty(
+        name="Cache",
+        description="Folder of the film, which Blender reads as it plays; // is that of the file",
+        subtype="DIR_PATH",
+        options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+        default="//greenstick",
+    )
     for key, about in DECLARED.items():
         made = _property(key, about, None)
         if made is not None:
@@ -180,6 +199,7 @@ AUTOMATIC = {
     if about["auto"] and isinstance(about["kind"], dict) and "text" not in about["kind"]
 }
 PRESETS = _presets()
+SCENES = _scenes()
 _add_properties()
 
 

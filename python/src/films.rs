@@ -3,7 +3,7 @@
 use crate::convert::report;
 use crate::failure::Failure;
 use crate::pictures::Picture;
-use crate::scene::{Scene, encode, file_dictionary, picture_parameters};
+use crate::scene::{Scene, encode, file_dictionary, matrix, picture_parameters};
 use crate::values::each;
 use crate::work;
 use greenstick::files::{self, Batch, Output};
@@ -18,6 +18,7 @@ use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFacesError};
 use greenstick::skin::WoodField;
 use greenstick::skin::film::{FilmParameters, Run as Opened, SkinReport};
 use greenstick_sweep::shown::{Faces, RunFilm, RunStill, ShowError, ShownAs};
+use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
@@ -335,6 +336,14 @@ impl Film {
     #[getter]
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         report(py, &self.report)
+    }
+
+    /// The map from the world of the mesh that was simulated to that of the film, whose stem begins at the origin and lies along
+    /// x: shape (4, 4), float64, m, y up. A copy.
+    #[getter]
+    fn transform<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        matrix(py, &shown.0.film_from_stem())
     }
 
     /// A frame as a scene, counted from the film's first or, from −1, backwards: lengths in m, y up.

@@ -67,10 +67,7 @@ impl Node {
     /// Local coordinates to world coordinates in metres: shape (4, 4), float64. A copy.
     #[getter]
     fn transform<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let (m, t) = (self.transform.matrix3, self.transform.translation);
-        let row = |k: usize| vec![m.x_axis[k], m.y_axis[k], m.z_axis[k], t[k]];
-        let rows = [row(0), row(1), row(2), vec![0.0, 0.0, 0.0, 1.0]];
-        Ok(PyArray2::from_vec2(py, &rows).map_err(|e| Failure::value(e.to_string()))?)
+        matrix(py, &self.transform)
     }
 
     /// The mesh in world coordinates, metres.
@@ -402,6 +399,14 @@ impl Scene {
         check_parents(&scene)?;
         Ok(Scene::new(scene, path))
     }
+}
+
+/// A map as an array of shape (4, 4).
+pub fn matrix<'py>(py: Python<'py>, map: &DAffine3) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (m, t) = (map.matrix3, map.translation);
+    let row = |k: usize| vec![m.x_axis[k], m.y_axis[k], m.z_axis[k], t[k]];
+    let rows = [row(0), row(1), row(2), vec![0.0, 0.0, 0.0, 1.0]];
+    Ok(PyArray2::from_vec2(py, &rows).map_err(|e| Failure::value(e.to_string()))?)
 }
 
 /// What a pickle of a scene holds.

@@ -18,9 +18,7 @@ impl From<SweepError> for Failure {
             SweepError::Recipe(_)
             | SweepError::Vary { .. }
             | SweepError::Forest { .. }
-            | SweepError::TooMany { .. } => {
-                "ParameterError"
-            }
+            | SweepError::TooMany { .. } => "ParameterError",
             SweepError::Scene(_) | SweepError::SceneFile { .. } => "SimulateError",
             SweepError::File(_) => "FileError",
             SweepError::Cancelled(_) => "Cancelled",

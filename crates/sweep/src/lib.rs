@@ -8,13 +8,14 @@
 //! one ([`worker`]); a [`Journal`] keeps what came of each ([`journal`], [`figures`]); a table and a contact sheet are made of
 //! the journal ([`table`], [`sheet`]). A [`Run`] does all that with several threads ([`run`]); several processes make the parts of
 //! a sweep ([`part`]), as render farms do by a job ([`job`]). The variants of a [`forest`] are the trees of one scene, which is
-//! written with the pieces of those that broke.
+//! written with the pieces of those that broke ([`forest_scene`]).
 #![deny(missing_docs)]
 
 pub mod axis;
 mod error;
 pub mod figures;
 pub mod forest;
+pub mod forest_scene;
 pub mod input;
 pub mod job;
 pub mod journal;

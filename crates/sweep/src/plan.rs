@@ -2,7 +2,7 @@
 
 use crate::axis::Axis;
 use crate::error::SweepError;
-use crate::forest::Forest;
+use crate::forest::{Forest, ForestRequest};
 use crate::sobol;
 use crate::variant::Variant;
 use greenstick::formats::LengthUnit;
@@ -236,7 +236,7 @@ impl Sweep {
             });
         }
         let forest = match is_forest {
-            true => Some(Arc::new(Forest::load(&settings, folder)?)),
+            true => Some(Arc::new(load_forest(&settings, folder)?)),
             false => None,
         };
         let count = match (&forest, drawn) {
@@ -403,6 +403,24 @@ impl Sweep {
         };
         name.map(|name| self.folder.join(name))
     }
+}
+
+/// Reads the forest that the settings name.
+fn load_forest(settings: &SweepSettings, folder: &Path) -> Result<Forest, SweepError> {
+    let Some(name) = &settings.input else {
+        return Err(SweepError::Forest {
+            path: None,
+            problem: "no scene is named; expected input = \"forest.glb\" in [sweep]".to_owned(),
+        });
+    };
+    Forest::load(&ForestRequest {
+        path: &folder.join(name),
+        unit: settings.unit,
+        nodes: settings.nodes.as_deref(),
+        only: settings.only.as_deref(),
+        share: settings.share.unwrap_or(1.0),
+        seed: settings.seed,
+    })
 }
 
 /// How many combinations there are, each so often; `None` where 64 bits do not hold it.

@@ -2,7 +2,7 @@
 //! nothing else.
 
 use crate::error::SweepError;
-use crate::forest::write_scene;
+use crate::forest_scene::write_scene;
 use crate::journal::{Done, Journal, Record};
 use crate::part::Part;
 use crate::plan::Sweep;

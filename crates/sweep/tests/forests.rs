@@ -169,6 +169,33 @@ fn records(folder: &Path) -> BTreeMap<u64, Value> {
         .collect()
 }
 
+/// Asserts that the halves of broken trees have their volume, and stand and reach where these did.
+fn assert_volumes_and_places(after: &Scene, broken: &[usize]) {
+    let before = forest();
+    for &tree in broken {
+        let original = before.nodes.iter().find(|n| n.name == name(tree)).unwrap();
+        let expected = original.mesh.transformed(&original.transform).volume();
+        let halves = ["lower", "upper"].map(|half| {
+            let wanted = format!("{}_{half}", name(tree));
+            let node = after.nodes.iter().find(|n| n.name == wanted).unwrap();
+            node.mesh.transformed(&node.transform)
+        });
+        let sum: f64 = halves.iter().map(Mesh::volume).sum();
+        assert!(
+            (sum / expected - 1.0).abs() < 1e-4,
+            "{}: {sum} {expected}",
+            name(tree)
+        );
+        // The foot stands where the tree stood, the top reaches as high.
+        let (low, _) = halves[0].bounds().unwrap();
+        let (_, high) = halves[1].bounds().unwrap();
+        let foot = original.transform.translation;
+        let top = original.transform.transform_point3(DVec3::Y * HEIGHT);
+        assert!((low.y - foot.y).abs() < 1e-4 && (high.y - top.y).abs() < 1e-4);
+        assert!((low.x - foot.x).abs() < 0.3 && (low.z - foot.z).abs() < 0.3);
+    }
+}
+
 #[test]
 fn whole_trees_stay_instances_and_broken_ones_keep_their_volume_and_their_place() {
     let folder = Folder::new("forest");
@@ -236,29 +263,7 @@ fn whole_trees_stay_instances_and_broken_ones_keep_their_volume_and_their_place(
     let barks = json["materials"].as_array().unwrap().iter();
     assert_eq!(barks.filter(|m| m["name"] == "bark").count(), 1);
 
-    let (before, after) = (forest(), files::read(&path, None).unwrap());
-    for &tree in &broken {
-        let original = before.nodes.iter().find(|n| n.name == name(tree)).unwrap();
-        let expected = original.mesh.transformed(&original.transform).volume();
-        let halves = ["lower", "upper"].map(|half| {
-            let wanted = format!("{}_{half}", name(tree));
-            let node = after.nodes.iter().find(|n| n.name == wanted).unwrap();
-            node.mesh.transformed(&node.transform)
-        });
-        let sum: f64 = halves.iter().map(Mesh::volume).sum();
-        assert!(
-            (sum / expected - 1.0).abs() < 1e-4,
-            "{}: {sum} {expected}",
-            name(tree)
-        );
-        // The foot stands where the tree stood, the top reaches as high.
-        let (low, _) = halves[0].bounds().unwrap();
-        let (_, high) = halves[1].bounds().unwrap();
-        let foot = original.transform.translation;
-        let top = original.transform.transform_point3(DVec3::Y * HEIGHT);
-        assert!((low.y - foot.y).abs() < 1e-4 && (high.y - top.y).abs() < 1e-4);
-        assert!((low.x - foot.x).abs() < 0.3 && (low.z - foot.z).abs() < 0.3);
-    }
+    assert_volumes_and_places(&files::read(&path, None).unwrap(), &broken);
     // Trees of one mesh break differently.
     let faces: BTreeSet<String> = records(&out)
         .values()

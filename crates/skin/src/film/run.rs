@@ -195,8 +195,8 @@ impl Run {
         Ok(self.source.frame(number)?)
     }
 
-    /// Returns the map from the stem's world to that of stills and films.
-    pub(super) fn film_from_stem(&self) -> DAffine3 {
+    /// Returns the map from the stem's world, that of the mesh that was simulated, to that of stills and films.
+    pub fn film_from_stem(&self) -> DAffine3 {
         DAffine3::from_quat(upright_rotation()) * self.wood.scene_from_stem
     }
 

@@ -5,9 +5,7 @@ mod compose;
 mod pattern;
 
 use crate::error::SweepError;
-use crate::journal::Journal;
 use crate::making::Trouble;
-use crate::plan::{Sweep, SweepSettings};
 use greenstick::files;
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene};
@@ -17,13 +15,28 @@ use greenstick::{BreakSession, Broken, RequestFile};
 use pattern::Patterns;
 use std::path::{Path, PathBuf};
 
-/// Name of the broken scene in the folder of a sweep, without its ending.
-pub const SCENE_FILE: &str = "forest";
 /// Names of trees where a sweep says nothing of them.
 const NODES: &str = "Tree_*";
 /// What numbers are drawn for, in the hash that draws them: which trees break, and the seed of each.
 const CHOICE: i64 = 0x4652;
 const SEED: i64 = 0x4653;
+
+/// Which scene is a forest, and which of its trees break.
+#[derive(Debug, Clone)]
+pub struct ForestRequest<'a> {
+    /// The file of the scene.
+    pub path: &'a Path,
+    /// Unit of length in it, where its format has none.
+    pub unit: Option<LengthUnit>,
+    /// Patterns of the names of trees; `None` for `Tree_*`.
+    pub nodes: Option<&'a str>,
+    /// Patterns of the names of those that may break; `None` for all.
+    pub only: Option<&'a str>,
+    /// The share of these that break.
+    pub share: f64,
+    /// Seed of the choice.
+    pub seed: u64,
+}
 
 /// A tree of a forest.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,25 +57,18 @@ pub struct Forest {
 }
 
 impl Forest {
-    /// Reads the forest of a sweep, and finds its trees.
+    /// Reads a forest, and finds its trees.
     ///
     /// # Errors
-    /// [`SweepError`] where there is none, it cannot be read, or no node has such a name.
-    pub fn load(settings: &SweepSettings, folder: &Path) -> Result<Self, SweepError> {
-        let Some(name) = &settings.input else {
-            return Err(SweepError::Forest {
-                path: None,
-                problem: "no scene is named; expected input = \"forest.glb\" in [sweep]".to_owned(),
-            });
-        };
-        let path = folder.join(name);
-        let mut scene = files::read(&path, settings.unit)?;
-        files::embed_images(&mut scene, &path);
+    /// [`SweepError`] where it cannot be read, or no node has such a name.
+    pub fn load(request: &ForestRequest) -> Result<Self, SweepError> {
+        let mut scene = files::read(request.path, request.unit)?;
+        files::embed_images(&mut scene, request.path);
         let wrong = |problem: String| SweepError::Forest {
-            path: Some(path.clone()),
+            path: Some(request.path.to_owned()),
             problem,
         };
-        let nodes = settings.nodes.as_deref().unwrap_or(NODES);
+        let nodes = request.nodes.unwrap_or(NODES);
         let mut trees = trees(&scene, &Patterns::new(nodes));
         if trees.is_empty() {
             let names = scene
@@ -77,7 +83,7 @@ impl Forest {
                 names.join(", ")
             )));
         }
-        choose(&mut trees, settings).map_err(wrong)?;
+        choose(&mut trees, request).map_err(wrong)?;
         Ok(Forest { scene, trees })
     }
 
@@ -133,7 +139,7 @@ impl Forest {
 
     /// Returns the scene with the pieces of the trees that were broken in their place. `pieces` has the file of each of these, in
     /// the order of trees.
-    fn with_pieces(
+    pub(crate) fn with_pieces(
         &self,
         pieces: &[(usize, PathBuf)],
         context: &Context,
@@ -171,37 +177,6 @@ impl Forest {
     }
 }
 
-/// Writes the scene of a forest whose trees are done into the folder of a sweep. Returns its path; `None` where none is asked
-/// for.
-///
-/// # Errors
-/// [`SweepError`] where pieces cannot be read or the scene cannot be written, or the caller cancelled.
-pub(crate) fn write_scene(
-    sweep: &Sweep,
-    journal: &Journal,
-    folder: &Path,
-    context: &Context,
-) -> Result<Option<PathBuf>, SweepError> {
-    let (Some(forest), Some(ending)) = (&sweep.forest, sweep.settings.scene_ending()) else {
-        return Ok(None);
-    };
-    let mut pieces = Vec::new();
-    for place in journal.places()?.into_iter().flatten() {
-        let record = journal.at(place)?;
-        let file = record.file.map(|file| folder.join(file));
-        pieces.extend(file.map(|file| (record.variant as usize, file)));
-    }
-    let mut scene = forest.with_pieces(&pieces, context)?;
-    let input = sweep.input_path(&sweep.base);
-    let name = input.as_deref().and_then(Path::file_name);
-    let name = name.map(|name| name.to_string_lossy().into_owned());
-    scene.metadata = sweep.base.provenance(name.as_deref()).metadata();
-    let path = folder.join(format!("{SCENE_FILE}.{ending}"));
-    let outputs = files::encode(&scene, &path, LengthUnit::Metre).map_err(SweepError::File)?;
-    files::write_all(&outputs)?;
-    Ok(Some(path))
-}
-
 /// Finds the trees of a scene: nodes of such names, each with all that it carries. What a tree carries is no tree of its own.
 fn trees(scene: &Scene, names: &Patterns) -> Vec<Tree> {
     let count = scene.nodes.len();
@@ -233,9 +208,9 @@ fn trees(scene: &Scene, names: &Patterns) -> Vec<Tree> {
     trees
 }
 
-/// Chooses the trees that break: of those that the settings name, a share.
-fn choose(trees: &mut [Tree], settings: &SweepSettings) -> Result<(), String> {
-    if let Some(only) = &settings.only {
+/// Chooses the trees that break: of those that are named, a share.
+fn choose(trees: &mut [Tree], request: &ForestRequest) -> Result<(), String> {
+    if let Some(only) = request.only {
         let names = Patterns::new(only);
         trees
             .iter_mut()
@@ -247,10 +222,9 @@ fn choose(trees: &mut [Tree], settings: &SweepSettings) -> Result<(), String> {
             ));
         }
     }
-    let share = settings.share.unwrap_or(1.0);
     let mut order: Vec<usize> = (0..trees.len()).filter(|&t| trees[t].breaks).collect();
-    order.sort_by_key(|&tree| (noise::hash(settings.seed, CHOICE, tree as i64, 0), tree));
-    let wanted = (share * order.len() as f64).round() as usize;
+    order.sort_by_key(|&tree| (noise::hash(request.seed, CHOICE, tree as i64, 0), tree));
+    let wanted = (request.share * order.len() as f64).round() as usize;
     for &tree in &order[wanted.min(order.len())..] {
         trees[tree].breaks = false;
     }
