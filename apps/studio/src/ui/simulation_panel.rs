@@ -119,7 +119,7 @@ impl Studio {
                 }
                 let last = count.saturating_sub(1);
                 let mut at = playback.at;
-                ui.spacing_mut().slider_width = (ui.available_width() - 330.0).max(80.0);
+                ui.spacing_mut().slider_width = (ui.available_width() - 350.0).max(80.0);
                 let slider = egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false);
                 let response = ui.add_enabled(last > 0, slider);
                 response.widget_info(|| egui::WidgetInfo::slider(true, at as f64, "Frame"));

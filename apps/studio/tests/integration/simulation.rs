@@ -97,7 +97,7 @@ fn a_simulation_is_stopped_and_left_and_the_window_stays_awake() {
     let triangles = harness.state().triangles();
     harness.key_press_modifiers(Modifiers::COMMAND, Key::M);
     harness.run_steps(2);
-    harness.get_by_label("twist").click();
+    harness.get_by_label("three-blocks").click();
     harness.run_steps(2);
     harness.get_by_label("Start").click();
     let start = Instant::now();
@@ -116,7 +116,7 @@ fn a_simulation_is_stopped_and_left_and_the_window_stays_awake() {
     // What was recorded stays to be looked at.
     let simulation = harness.state().simulation().unwrap();
     assert!(simulation.outcome.is_none() && simulation.drawn.is_some());
-    assert_eq!(simulation.source, Source::BuiltIn("twist".to_owned()));
+    assert_eq!(simulation.source, Source::BuiltIn("three-blocks".to_owned()));
     harness.get_by_label("Back to the break").click();
     settle(&mut harness);
     assert!(harness.state().simulation().is_none());
