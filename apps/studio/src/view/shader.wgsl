@@ -482,7 +482,9 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     var sizes = array<f32, 3>(1.0, 0.47, 0.21);
     var stretches = array<f32, 3>(5.0, 3.0, 2.6);
     var shares = array<f32, 3>(1.0, 0.50, 0.20);
-    var edges = array<f32, 3>(0.34, 0.20, 0.16);
+    // Shallow furrows are narrow.
+    let openness = clamp(depth / width / 0.15, 0.35, 1.0);
+    var edges = array<f32, 3>(0.34 * openness, 0.20 * openness, 0.16 * openness);
     var ridge = 1.0;
     var slope = vec3<f32>(0.0);
     for (var i = 0; i < 3; i++) {

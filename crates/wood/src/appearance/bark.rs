@@ -122,6 +122,9 @@ const FLAKES: [FigureSize; 4] = [
 /// How much the width of a furrow varies along it, and its least factor.
 const FURROW_EDGE_VARIATION: f64 = 1.1;
 const MIN_FURROW_EDGE: f64 = 0.12;
+/// Depth of furrows over the distance between them from which on they are as wide as furrows are, and the least factor on their width.
+const WIDE_FURROW_DEPTH: f64 = 0.15;
+const NARROWEST_FURROW: f64 = 0.35;
 /// Mean openness of furrows too fine to be seen.
 const MEAN_OPENNESS: f64 = 0.74;
 /// Part of a flake's size that has to be seen: slopes of one pixel glitter.
@@ -239,10 +242,14 @@ impl BarkAppearance {
 
     fn furrows(&self, place: DVec3, footprint: f64, noises: &mut impl Noises) -> Furrows {
         let (mut ridge, mut height, mut slope) = (1.0, 0.0, DVec3::ZERO);
+        // Shallow furrows are narrow: smooth bark has lines where rough bark has valleys.
+        let steepness = self.furrow_depth / self.furrow_width / WIDE_FURROW_DEPTH;
+        let openness = steepness.clamp(NARROWEST_FURROW, 1.0);
         for (i, order) in FURROWS.iter().enumerate() {
             let size = order.size * self.furrow_width;
+            let half = order.edge * openness;
             // What has to be seen is the slope of a furrow's side, which is narrower than the ridge: finer slopes would glitter.
-            let visible = visible_detail((1.8 * order.edge).min(1.0) * size, footprint);
+            let visible = visible_detail((1.8 * half).min(1.0) * size, footprint);
             // Furrows wander: the place is shifted sideways by slower noise before they are cut.
             let seed = self.seed ^ PURPOSE ^ ((i as u64 + 1) << 16);
             let slow = (DVec3::splat(size / 0.9), 0.9 / 0.35);
@@ -256,7 +263,7 @@ impl BarkAppearance {
             let along = (DVec3::splat(size / 0.7), 0.7 / 0.3);
             let (opening, opening_slope) = self.noise((noises, number + 2), seed ^ 2, place, along);
             let widened = 1.0 + FURROW_EDGE_VARIATION * opening;
-            let edge = order.edge * widened.max(MIN_FURROW_EDGE);
+            let edge = half * widened.max(MIN_FURROW_EDGE);
             let x = (v.abs() / edge).min(1.0);
             let open = mix_scalar(MEAN_OPENNESS, x * x * (3.0 - 2.0 * x), visible);
             ridge *= 1.0 - order.share * (1.0 - open);
@@ -264,7 +271,7 @@ impl BarkAppearance {
             height += depth * (open - 1.0);
             if x < 1.0 {
                 let narrowing = if widened > MIN_FURROW_EDGE {
-                    order.edge * FURROW_EDGE_VARIATION
+                    half * FURROW_EDGE_VARIATION
                 } else {
                     0.0
                 };

@@ -10,6 +10,7 @@ use greenstick_wood::primitive;
 use greenstick_wood::rings::{RingPosition, RingSource, StemAddress, StemRings};
 use greenstick_wood::stem::{StemOptions, find_stem};
 use greenstick_wood::tissue::Proportions;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Wood without rings: what is left is grain.
 struct NoRings;
@@ -230,7 +231,7 @@ fn bark_comes_off_at_the_cambium() {
         };
         (0..400).map(colour).sum::<f64>() / 400.0
     };
-    let [outwards, sideways, inwards] = [0.0, 1.57, 3.14].map(mean);
+    let [outwards, sideways, inwards] = [0.0, FRAC_PI_2, PI].map(mean);
     // Wood with strings of bark on it, beside bark.
     let sapwood = brightness(wood.sapwood_color);
     assert!(outwards > 1.5 * sideways, "{outwards}, {sideways}");
