@@ -230,7 +230,10 @@ pub fn picture_of_break(
     let mut options = options.clone();
     if let (None, Some(diameters), None) = (options.zoom, options.close_up, broken.end) {
         aim(broken, wood, scene, &mut options);
-        options.zoom = close_up(scene, &[wood.material], diameters);
+        let (near, shown) = (close_up(scene, &[wood.material], diameters), &options.shown);
+        // The floor hides what lies beyond the stubs.
+        let is_nearer = |s: &Sphere| shown.iter().any(|p| p.distance(s.centre) > s.radius);
+        options.zoom = near.filter(|s| shown.is_empty() || is_nearer(s));
     } else if let (Some(end), None) = (broken.end, options.zoom) {
         // Cracks in a sawn end: that end, from above.
         options.zoom = Some(Sphere {

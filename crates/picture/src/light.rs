@@ -43,13 +43,13 @@ pub(crate) struct Studio {
     pub background: [Vec3; 2],
 }
 
-/// Cosine of the angular radius of the key light (7°): its shadows show the shapes of splinters, with edges as soft as those of a
+/// Cosine of the angular radius of the key light (10°): its shadows show the shapes of splinters, with edges as soft as those of a
 /// softbox.
-const KEY_LIGHT_COSINE: f32 = 0.9925;
+const KEY_LIGHT_COSINE: f32 = 0.9848;
 /// Cosine of the angular radius of the rim light (20°).
 const RIM_LIGHT_COSINE: f32 = 0.94;
-/// Radiance of the floor as seen from items.
-const FLOOR_RADIANCE: f32 = 0.2;
+/// Radiance of the floor as seen from items: it returns the warm key light.
+const FLOOR_RADIANCE: Vec3 = Vec3::new(0.215, 0.19, 0.16);
 
 impl Floor {
     /// The distance along a ray at which it meets the floor from above.
@@ -107,18 +107,15 @@ impl Studio {
                 Lamp::new(
                     direction(-0.85, 0.8, 0.5),
                     KEY_LIGHT_COSINE,
-                    Vec3::new(3.45, 3.3, 3.02),
+                    Vec3::new(3.95, 3.74, 3.36),
                 ),
                 Lamp::new(
                     direction(0.85, 0.55, -0.75),
                     RIM_LIGHT_COSINE,
-                    Vec3::new(0.85, 0.92, 1.05),
+                    Vec3::new(1.15, 1.22, 1.35),
                 ),
             ],
-            sky: [
-                Vec3::new(0.27, 0.29, 0.32),
-                Vec3::splat(FLOOR_RADIANCE) * 0.8,
-            ],
+            sky: [Vec3::new(0.205, 0.215, 0.235), FLOOR_RADIANCE * 0.7],
             floor: floor_level
                 .filter(is_below_camera)
                 .map(|level| Floor { level }),
@@ -135,7 +132,7 @@ impl Studio {
     /// Radiance of what a ray meets that meets no item.
     pub fn surroundings(&self, direction: Vec3) -> Vec3 {
         if self.floor.is_some() && direction.dot(self.up) < 0.0 {
-            Vec3::splat(FLOOR_RADIANCE)
+            FLOOR_RADIANCE
         } else {
             self.sky(direction)
         }
@@ -153,6 +150,11 @@ impl Studio {
         let far = (((x * x + y * y) * 0.5) as f32).min(1.0);
         self.background[0]
             + (self.background[1] - self.background[0]) * (far * far * (3.0 - 2.0 * far))
+    }
+
+    /// How open the floor is to the sky where its irradiance from there is `indirect`, 0 to 1.
+    pub fn floor_openness(&self, indirect: Vec3) -> f32 {
+        (luminance(indirect) / luminance(self.sky_irradiance(self.up))).min(1.0)
     }
 
     /// Luminance of the irradiance on the floor without shadows.

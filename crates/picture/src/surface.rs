@@ -18,6 +18,10 @@ const MAX_RADIANCE: f32 = 4.0;
 const SHEEN: f32 = 0.45;
 const SHEEN_WIDTH: f32 = 0.35;
 
+/// How much darker the floor is where things stand on it, for the cube of the share of the sky that they hide, and what is left at least.
+const CONTACT: f32 = 1.2;
+const LEAST_CONTACT: f32 = 0.4;
+
 /// What a camera ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Met {
@@ -69,7 +73,11 @@ impl Seen {
                         luminance(lamp.irradiance) * lamp.cosine_to(studio.up) * share
                     })
                     .sum();
-                let shade = (lamps + luminance(light.indirect)) / studio.unshadowed_floor();
+                // Next to the wood the floor sees little else: light that it has returned itself is missing there too.
+                let hidden = 1.0 - studio.floor_openness(light.indirect);
+                let contact = (1.0 - CONTACT * hidden * hidden * hidden).max(LEAST_CONTACT);
+                let shade =
+                    contact * (lamps + luminance(light.indirect)) / studio.unshadowed_floor();
                 self.color * (1.0 + (shade - 1.0) * self.shadows)
             }
             Met::Item(_) => {

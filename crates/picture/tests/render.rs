@@ -135,6 +135,35 @@ fn colours_and_shadows_appear_in_their_places() {
     assert!(darker(1, 1).abs() <= 2);
 }
 
+#[test]
+fn the_floor_is_dark_where_something_stands_on_it() {
+    let view = View::Direction {
+        azimuth: 0.0,
+        elevation: 0.5,
+    };
+    let with = |floor| {
+        render_cube(&PictureOptions {
+            width: 320,
+            height: 240,
+            samples: 64,
+            floor,
+            view,
+            ..PictureOptions::default()
+        })
+        .unwrap()
+    };
+    let [without, with] = [false, true].map(with);
+    let red = |picture: &Picture, x: usize, y: usize| i32::from(picture.rgb[(y * 320 + x) * 3]);
+    // In front of the side that faces the key light: darkest next to the cube, less so farther away.
+    let darker = |x: usize| red(&without, x, 190) - red(&with, x, 190);
+    let [near, aside, far] = [70, 40, 4].map(darker);
+    assert!(near >= 13, "{near}");
+    assert!(
+        near > aside && aside > far && 3 * far <= 2 * near,
+        "{near}, {aside}, {far}"
+    );
+}
+
 /// The root of the mean square of the differences of two pictures, of 255.
 fn difference(a: &Picture, b: &Picture) -> f64 {
     let squares = a.rgb.iter().zip(&b.rgb).map(|(a, b)| {

@@ -301,13 +301,13 @@ fn ray_at(across: vec2<f32>, rho: f32, along: f32, footprint: f32) -> f32 {
 struct Streaks { shade: f32, slope: vec3<f32> };
 
 fn streaks_at(place: vec3<f32>, footprint: f32) -> Streaks {
-    var widths = array<f32, 4>(5.0e-3, 1.3e-3, 0.35e-3, 0.10e-3);
-    var shares = array<f32, 4>(0.10, 0.17, 0.24, 0.24);
-    var reliefs = array<f32, 4>(120e-6, 90e-6, 48e-6, 16e-6);
+    var widths = array<f32, 3>(5.0e-3, 1.3e-3, 0.09e-3);
+    var shares = array<f32, 3>(0.09, 0.10, 0.20);
+    var reliefs = array<f32, 3>(120e-6, 60e-6, 18e-6);
     var out: Streaks;
     out.shade = 0.0;
     out.slope = vec3<f32>(0.0);
-    for (var i = 0; i < 4; i++) {
+    for (var i = 0; i < 3; i++) {
         let seen = visible(widths[i], footprint);
         if (seen <= 0.0) { break; }
         let scale = vec3<f32>(1.0, 1.0, 1.0 / 40.0) / widths[i];
@@ -319,11 +319,95 @@ fn streaks_at(place: vec3<f32>, footprint: f32) -> Streaks {
     return out;
 }
 
-fn tissue(color: vec3<f32>, tissue_color: vec3<f32>, speck: f32, shade: f32, end: f32, inside: f32) -> vec3<f32> {
-    return mix(color, tissue_color * ((1.0 + speck + 0.5 * shade) * (1.0 - 0.15 * end)), inside);
+// A smooth number from -1 to 1 along the grain for an item of the section.
+fn along_at(seed: u32, z0: f32, i: i32, j: i32) -> f32 {
+    let z = z0 + fract(0.61803399 * f32(i) + 0.75487767 * f32(j));
+    let level = floor(z);
+    let f = z - level;
+    let a = unit(seed, i, j, i32(level));
+    let b = unit(seed, i, j, i32(level) + 1);
+    return mix(a, b, f * f * (3.0 - 2.0 * f)) * 2.0 - 1.0;
 }
 
-fn wood_at(across: vec2<f32>, along: f32, end0: f32, footprint: f32) -> Look {
+fn boundary_at(seed: u32, z: f32, k: i32, row: i32) -> f32 {
+    return f32(k) + 0.47 * along_at(seed, z, k, row);
+}
+
+// The interval of a row that holds t, by its number, and its ends.
+fn interval_at(seed: u32, z: f32, t: f32, row: i32) -> vec3<f32> {
+    let cell = i32(floor(t));
+    let low = boundary_at(seed, z, cell, row);
+    let high = boundary_at(seed, z, cell + 1, row);
+    if (t < low) { return vec3<f32>(f32(cell - 1), boundary_at(seed, z, cell - 1, row), low); }
+    if (t >= high) { return vec3<f32>(f32(cell + 1), high, boundary_at(seed, z, cell + 2, row)); }
+    return vec3<f32>(f32(cell), low, high);
+}
+
+// Height and slope of a roof over an interval, whose ridge lies aside by a number from -1 to 1.
+fn roof_at(interval: vec3<f32>, t: f32, aside: f32) -> vec2<f32> {
+    let ridge = 0.5 + 0.42 * aside;
+    let up = 2.0 * (1.0 - ridge) * (t - interval.y);
+    let down = 2.0 * ridge * (interval.z - t);
+    if (up < down) { return vec2<f32>(up, 2.0 * (1.0 - ridge)); }
+    return vec2<f32>(down, -2.0 * ridge);
+}
+
+struct Bundles { shade: f32, gap: f32, tone: f32, slope: vec2<f32> };
+
+// Bundles of fibres: long facets with sharp edges, of three sizes.
+fn bundles_at(place: vec3<f32>, facing: vec2<f32>, footprint: f32) -> Bundles {
+    var widths = array<f32, 3>(1.1e-3, 0.42e-3, 0.15e-3);
+    var stretches = array<f32, 3>(64.0, 70.0, 100.0);
+    var shares = array<f32, 3>(0.13, 0.19, 0.20);
+    var tilts = array<f32, 3>(0.15, 0.20, 0.20);
+    var tones = array<f32, 3>(0.75, 0.65, 0.0);
+    let turn = mat2x2<f32>(0.8253356, 0.5646425, -0.5646425, 0.8253356);
+    let flat = turn * place.xy;
+    // What lies in a gap would be a dark patch; where the normal is not known there is none.
+    var crossing = 1.0;
+    if (dot(facing, facing) > 1e-6) { crossing = smoothstep(0.3, 0.6, abs((turn * normalize(facing)).y)); }
+    var out: Bundles;
+    var slope = vec2<f32>(0.0);
+    for (var n = 0; n < 3; n++) {
+        let seen = visible(1.25 * widths[n], footprint);
+        if (seen <= 0.0) { break; }
+        let seed = wood.seed.x ^ 0xb0u ^ (u32(n) << 8u);
+        let z = place.z / (widths[n] * stretches[n]);
+        let at = flat / widths[n];
+        let line = interval_at(seed, z, at.y, -0x40000000);
+        let row = i32(line.x);
+        let column = interval_at(seed ^ 0x10000u, z, at.x, row);
+        let number = i32(column.x);
+        let is_low = at.x - column.y < column.z - at.x;
+        let off = min(at.x - column.y, column.z - at.x);
+        let soft = 0.5 * footprint / widths[n];
+        let own = along_at(seed ^ 0x20000u, z, number, row);
+        var tone = own;
+        if (off < soft) {
+            let other = along_at(seed ^ 0x20000u, z, number + select(1, -1, is_low), row);
+            tone = mix(own, other, 0.5 * (1.0 - off / soft));
+        }
+        out.shade += tone * shares[n] * seen;
+        out.tone += tone * tones[n] * seen;
+        let over_x = roof_at(column, at.x, own);
+        let over_y = roof_at(line, at.y, own);
+        slope += vec2<f32>(over_x.y * over_y.x, over_x.x * over_y.y) * (4.0 * tilts[n] * visible(0.5 * widths[n], footprint));
+        let wide = max(0.05, soft);
+        if (n < 2 && off < wide) {
+            let open = along_at(seed ^ 0x20000u, z, number + select(1, 0, is_low), row ^ 0x55555);
+            let gape = smoothstep(0.2, 1.0, open) * crossing * 0.5 * sqrt(0.05 / wide);
+            out.gap = max(out.gap, (1.0 - off / wide) * gape * seen);
+        }
+    }
+    out.slope = slope * turn;
+    return out;
+}
+
+fn tissue(color: vec3<f32>, tissue_color: vec3<f32>, speck: f32, shade: f32, end: f32, inside: f32) -> vec3<f32> {
+    return mix(color, tissue_color * ((1.0 + speck + 0.8 * shade) * (1.0 - 0.15 * end)), inside);
+}
+
+fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprint: f32) -> Look {
     let end = clamp(end0, 0.0, 1.0);
     let place = vec3<f32>(across, along);
     let radius = wood.edges.x;
@@ -340,7 +424,11 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, footprint: f32) -> Look {
     let late = mean * strength;
     let late_slope = (a * a - b * b) / (2.0 * half) * strength / ring_width;
     let first = select(1.0, 1.0 - smoothstep(0.12, 0.34, year.fraction), wood.rings.w > 0.5);
-    let streaks = streaks_at(place, footprint);
+    var streaks = streaks_at(place, footprint);
+    let bundles = bundles_at(place, facing, footprint);
+    // A saw cuts all fibres at one height.
+    streaks.shade = (streaks.shade + bundles.shade) * (1.0 - 0.5 * end);
+    streaks.slope = (streaks.slope + vec3<f32>(bundles.slope, 0.0)) * (1.0 - 0.5 * end);
     let vessel = vessel_at(place, first, footprint);
     let ray = wood.vessels.y * ray_at(across, rho, along, footprint);
 
@@ -357,6 +445,8 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, footprint: f32) -> Look {
     color *= mix(vec3<f32>(0.80, 0.74, 0.68), vec3<f32>(1.22, 1.24, 1.26), end) * ray + (1.0 - ray);
     color *= max(vec3<f32>(1.0) + vec3<f32>(1.0, 1.18, 1.45) * streaks.shade, vec3<f32>(0.1));
 
+    color *= vec3<f32>(1.0) - vec3<f32>(0.62, 0.70, 0.78) * (bundles.gap * (1.0 - 0.65 * end));
+
     // Pith and barks over the wood near and beyond their edges.
     let soft = max(footprint / radius, 0.004);
     let thick = clamp(wood.rings.x - wood.edges.w, 0.0, 0.1);
@@ -368,9 +458,13 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, footprint: f32) -> Look {
         let u1 = noise(wood.seed.x ^ 0x14bu, place / (0.5 * radius) * vec3<f32>(1.0, 1.0, 0.25)).w;
         let u2 = noise(wood.seed.x ^ 0x24bu, place / (0.13 * radius) * vec3<f32>(1.0, 1.0, 0.25)).w;
         let wavy = rho + 0.008 * ragged + thick * (0.5 * u1 + 0.32 * u2);
-        let in_phloem = smoothstep(wood.edges.w - soft, wood.edges.w + soft, wavy);
+        // Bark comes off at the cambium: a face that looks outwards is wood, with strings of inner bark.
+        let outwards = dot(facing, across) / max(length(facing) * length(across), 1e-9);
+        let peeled = smoothstep(0.15, 0.5, outwards) * (1.0 - end);
+        let strings = 0.75 * smoothstep(0.42, 0.62, bundles.tone + 0.35 * ragged);
+        let in_phloem = smoothstep(wood.edges.w - soft, wood.edges.w + soft, wavy) * (1.0 - peeled * (1.0 - strings));
         color = tissue(color, wood.phloem.rgb, 0.20 * speck, streaks.shade, end, in_phloem);
-        let in_cork = smoothstep(wood.rings.x - soft, wood.rings.x + soft, wavy);
+        let in_cork = smoothstep(wood.rings.x - soft, wood.rings.x + soft, wavy) * (1.0 - peeled);
         color = tissue(color, wood.cork.rgb, 0.42 * speck, streaks.shade, end, in_cork);
     }
     var look: Look;
@@ -385,15 +479,19 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     let width = wood.bark.x;
     let depth = wood.bark.y;
     let seed = wood.seed.y ^ 0xba7cu;
-    var sizes = array<f32, 3>(1.0, 0.45, 0.17);
-    var stretches = array<f32, 3>(6.0, 3.5, 2.2);
-    var shares = array<f32, 3>(1.0, 0.55, 0.35);
+    var sizes = array<f32, 3>(1.0, 0.47, 0.21);
+    var stretches = array<f32, 3>(5.0, 3.0, 2.6);
+    var shares = array<f32, 3>(1.0, 0.50, 0.20);
+    // Shallow furrows are narrow.
+    let openness = clamp(depth / width / 0.15, 0.35, 1.0);
+    var edges = array<f32, 3>(0.34 * openness, 0.20 * openness, 0.16 * openness);
     var ridge = 1.0;
     var slope = vec3<f32>(0.0);
     for (var i = 0; i < 3; i++) {
         let size = sizes[i] * width;
-        let seen = visible(size, footprint);
-        var open = 0.78;
+        // The slope of a furrow's side has to be seen, which is narrower than the ridge.
+        let seen = visible(min(1.8 * edges[i], 1.0) * size, footprint);
+        var open = 0.74;
         if (seen > 0.0) {
             let own = seed ^ (u32(i + 1) << 16u);
             let shift = noise(own ^ 1u, place * vec3<f32>(0.9, 0.9, 0.35) / size).w;
@@ -401,9 +499,9 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
             let scale = vec3<f32>(1.0, 1.0, 1.0 / stretches[i]) / size;
             let n = noise(own, moved * scale);
             let opening = noise(own ^ 2u, place * vec3<f32>(0.7, 0.7, 0.3) / size).w;
-            let edge = 0.17 * max(1.0 + 1.1 * opening, 0.12);
+            let edge = edges[i] * max(1.0 + 1.1 * opening, 0.12);
             let x = min(abs(n.w) / edge, 1.0);
-            open = mix(0.78, x * x * (3.0 - 2.0 * x), seen);
+            open = mix(0.74, x * x * (3.0 - 2.0 * x), seen);
             if (x < 1.0) {
                 slope += n.xyz * scale * sign(n.w) / edge * (6.0 * x * (1.0 - x) * depth * shares[i] * seen);
             }
@@ -411,7 +509,7 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
         ridge *= 1.0 - shares[i] * (1.0 - open);
     }
     var flake_sizes = array<f32, 4>(1.7, 0.5, 0.16, 0.055);
-    var flake_shares = array<f32, 4>(0.18, 0.22, 0.26, 0.24);
+    var flake_shares = array<f32, 4>(0.18, 0.22, 0.30, 0.34);
     var shade = 0.0;
     for (var i = 0; i < 4; i++) {
         let size = flake_sizes[i] * width;
@@ -419,11 +517,13 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
         if (seen <= 0.0) { break; }
         let scale = vec3<f32>(1.0, 1.0, 0.6) / size;
         let n = noise(seed ^ (u32(i + 2) << 8u), place * scale);
-        shade += n.w * flake_shares[i] * seen;
-        slope += n.xyz * scale * (0.16 * min(size, depth * 4.0) * seen);
+        shade += n.w * (1.0 + 0.6 * abs(n.w)) * flake_shares[i] * seen;
+        // Slopes of one pixel would glitter.
+        slope += n.xyz * scale * (0.16 * min(size, depth * 4.0) * visible(0.5 * size, footprint));
     }
-    let patchy = noise(seed ^ 3u, place * vec3<f32>(1.0, 1.0, 0.6) / (4.0 * width)).w;
-    let weathered = mix(wood.ridge.rgb, vec3<f32>(0.24, 0.24, 0.19), clamp(0.30 + 0.5 * patchy, 0.0, 0.6));
+    let patchy = noise(seed ^ 3u, place * vec3<f32>(1.0, 1.0, 0.7) / (5.0 * width)).w;
+    let lichen = 0.62 * smoothstep(0.30, 0.46, patchy + 0.8 * shade);
+    let weathered = mix(wood.ridge.rgb, vec3<f32>(0.27, 0.275, 0.225), max(lichen, clamp(0.34 + 0.3 * patchy, 0.0, 0.68)));
     var look: Look;
     var color = mix(wood.furrow.rgb, weathered, ridge) * max(1.0 + 1.3 * shade, 0.15);
     if (wood.vessels.w > 0.0) {
@@ -549,7 +649,18 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
     let sawn = is_skin && on_stem && (wood.bark.z > 0.5 || dot(rise_z, rise_z) < 0.19);
     if (mode == 0) {
         if (is_wood || sawn) {
-            look = wood_at(across, v.grain.z, end, footprint);
+            // The normal in the directions of the grain, from how its coordinates rise in the plane.
+            let facing = vec2<f32>(dot(flat, cross(rise_y, rise_z)), dot(flat, cross(rise_z, rise_x)));
+            look = wood_at(across, v.grain.z, end, facing, footprint);
+            if (is_wood) {
+                // Torn wood is paler and matt.
+                let light = dot(look.color, vec3<f32>(0.2126, 0.7152, 0.0722));
+                look.color = min(mix(look.color, vec3<f32>(light), 0.16) * 1.05, vec3<f32>(1.0));
+                look.roughness = max(look.roughness, 0.82);
+            } else if (end < 0.9) {
+                // Planed wood is smooth.
+                look.slope *= 0.25;
+            }
         } else if (is_skin) {
             // Off the stem, as in the pictures: about the vertical, as far out as the stem is thick.
             let out = normal.xz / max(length(normal.xz), 1e-6);

@@ -5,7 +5,7 @@ use super::images::{ImageSize, WoodTextures, bake_images, put};
 use super::square::SectionSquare;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::Context;
-use greenstick_wood::appearance::{WoodAppearance, WoodPoint, WoodSurface};
+use greenstick_wood::appearance::{WoodAppearance, WoodPoint, WoodSurface, torn};
 use greenstick_wood::noise::NoiseMemory;
 use greenstick_wood::rings::{RingSource, StemAddress};
 
@@ -188,7 +188,8 @@ impl Baker<'_> {
             across: (self.wood.point)(rho, self.angle),
             along,
         };
-        let surface = self.surface(&self.tiling, address, 0.0, memory);
+        // The sides of splinters are torn; ends may be sawn.
+        let surface = torn(self.surface(&self.tiling, address, 0.0, memory));
         let rise = surface.slope.truncate().dot(self.outwards);
         (surface, DVec2::new(rise, surface.slope.z))
     }

@@ -7,7 +7,7 @@ use super::square::SectionSquare;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::Context;
 use greenstick_wood::appearance::{
-    BarkAppearance, BarkPoint, WoodAppearance, WoodPoint, weathered,
+    BarkAppearance, BarkPoint, WoodAppearance, WoodPoint, planed, weathered,
 };
 use greenstick_wood::noise::NoiseMemory;
 use greenstick_wood::rings::StemAddress;
@@ -53,9 +53,6 @@ pub fn bake_bark(
     })
 }
 
-/// What is left of the relief of torn wood after planing.
-const PLANED_RELIEF: f64 = 0.25;
-
 /// Bakes the planed faces of a board: strips side by side, the faces towards −y and +y of its section, then those towards −x
 /// and +x, over a length of one perimeter of the section. It repeats along the grain.
 ///
@@ -97,12 +94,13 @@ pub fn bake_planed(
                 end_grain: 0.0,
                 facing: direction.perp(),
             };
-            let mut surface = appearance.surface_in_row(wood.rings, &point, texel, &mut memory);
+            let torn = appearance.surface_in_row(wood.rings, &point, texel, &mut memory);
+            let mut surface = planed(torn);
             if weather {
                 surface.color = weathered(surface.color);
             }
             let rise = DVec2::new(surface.slope.truncate().dot(direction), surface.slope.z);
-            put(&mut images, column, &surface, rise * PLANED_RELIEF);
+            put(&mut images, column, &surface, rise);
         }
     })
 }

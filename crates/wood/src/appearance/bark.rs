@@ -49,10 +49,10 @@ impl BarkAppearance {
     /// Bark of a branch or a young stem of the given radius (m): fine cracks and lenticels.
     pub fn young(radius: f64) -> Self {
         BarkAppearance {
-            ridge_color: srgb([132, 112, 92]),
-            furrow_color: srgb([84, 62, 47]),
+            ridge_color: srgb([144, 125, 105]),
+            furrow_color: srgb([66, 50, 40]),
             furrow_width: (radius * 0.14).clamp(8e-4, 0.015),
-            furrow_depth: (radius * 0.02).clamp(1e-4, 2e-3),
+            furrow_depth: (radius * 0.028).clamp(1e-4, 2e-3),
             furrow_stretch: 1.0,
             lenticels: 0.5,
             seed: 0,
@@ -63,7 +63,7 @@ impl BarkAppearance {
     /// Bark of an old stem of the given radius (m): deep furrows between long ridges.
     pub fn furrowed(radius: f64) -> Self {
         BarkAppearance {
-            ridge_color: srgb([118, 104, 90]),
+            ridge_color: srgb([126, 113, 99]),
             furrow_color: srgb([56, 40, 30]),
             furrow_width: (radius * 0.25).clamp(3e-3, 0.06),
             furrow_depth: (radius * 0.06).clamp(5e-4, 0.02),
@@ -86,6 +86,8 @@ struct FigureSize {
     stretch: f64,
     /// Share of the depth or of the brightness.
     share: f64,
+    /// Half the width of a furrow, as a value of the noise whose sign changes in it.
+    edge: f64,
 }
 
 const fn figure(size: f64, stretch: f64, share: f64) -> FigureSize {
@@ -93,31 +95,46 @@ const fn figure(size: f64, stretch: f64, share: f64) -> FigureSize {
         size,
         stretch,
         share,
+        edge: 0.17,
     }
 }
 
-/// Furrows of three orders.
+const fn furrow(size: f64, stretch: f64, share: f64, edge: f64) -> FigureSize {
+    FigureSize {
+        edge,
+        ..figure(size, stretch, share)
+    }
+}
+
+/// Furrows of three orders: wide ones between ridges, narrower ones that part the ridges, and cracks.
 const FURROWS: [FigureSize; 3] = [
-    figure(1.0, 6.0, 1.0),
-    figure(0.45, 3.5, 0.55),
-    figure(0.17, 2.2, 0.35),
+    furrow(1.0, 5.0, 1.0, 0.34),
+    furrow(0.47, 3.0, 0.50, 0.20),
+    furrow(0.21, 2.6, 0.20, 0.16),
 ];
 /// Flakes, scales and dust between them.
 const FLAKES: [FigureSize; 4] = [
     figure(1.7, 2.0, 0.18),
     figure(0.5, 1.6, 0.22),
-    figure(0.16, 1.3, 0.26),
-    figure(0.055, 1.0, 0.24),
+    figure(0.16, 1.3, 0.30),
+    figure(0.055, 1.0, 0.34),
 ];
-/// Half width of a furrow as a value of the noise whose sign changes in it, how much it varies along the furrow, and its
-/// least factor.
-const FURROW_EDGE: f64 = 0.17;
+/// How much the width of a furrow varies along it, and its least factor.
 const FURROW_EDGE_VARIATION: f64 = 1.1;
 const MIN_FURROW_EDGE: f64 = 0.12;
+/// Depth of furrows over the distance between them from which on they are as wide as furrows are, and the least factor on their width.
+const WIDE_FURROW_DEPTH: f64 = 0.15;
+const NARROWEST_FURROW: f64 = 0.35;
 /// Mean openness of furrows too fine to be seen.
-const MEAN_OPENNESS: f64 = 0.78;
+const MEAN_OPENNESS: f64 = 0.74;
+/// Part of a flake's size that has to be seen: slopes of one pixel glitter.
+const FLAKE_DETAIL: f64 = 0.5;
+/// Share of dust on ridges, and of lichen in its patches, and the values of the noise between which their edges lie.
+const DUST: f64 = 0.34;
+const LICHEN_SHARE: f64 = 0.62;
+const LICHEN_EDGE: (f64, f64) = (0.30, 0.46);
 /// Linear colours of lichen and dust, and of lenticels.
-const LICHEN: DVec3 = DVec3::new(0.24, 0.24, 0.19);
+const LICHEN: DVec3 = DVec3::new(0.27, 0.275, 0.225);
 const LENTICEL: DVec3 = DVec3::new(0.30, 0.22, 0.15);
 
 /// Numbers of the noises; those of the flakes come first, then three for each order of furrows.
@@ -189,18 +206,21 @@ impl BarkAppearance {
                 place,
                 (DVec3::splat(size), flakes.stretch),
             );
-            shade += v * flakes.share * visible;
-            let relief = 0.16 * size.min(self.furrow_depth * 4.0) * visible;
+            shade += v * (1.0 + 0.6 * v.abs()) * flakes.share * visible;
+            let relief = 0.16
+                * size.min(self.furrow_depth * 4.0)
+                * visible_detail(FLAKE_DETAIL * size, footprint);
             height += v * relief;
             slope += g * relief;
         }
-        // Patches of lichen and dust: slow changes towards a greenish grey.
-        let patches = (DVec3::splat(4.0 * width), 1.0 / 0.6);
+        // Dust, and patches of lichen with frayed edges: a greenish grey that grows on ridges.
+        let patches = (DVec3::splat(5.0 * width), 1.0 / 0.7);
         let (patch, _) = self.noise((noises, PATCH_NOISE), seed ^ 3, place, patches);
+        let lichen = smoothstep(LICHEN_EDGE.0, LICHEN_EDGE.1, patch + 0.8 * shade) * LICHEN_SHARE;
         let weathered = mix(
             DVec3::from_array(self.ridge_color),
             LICHEN,
-            (0.30 + 0.5 * patch).clamp(0.0, 0.6),
+            lichen.max((DUST + 0.3 * patch).clamp(0.0, DUST * 2.0)),
         );
         let furrow_color = DVec3::from_array(self.furrow_color);
         let mut color = mix(furrow_color, weathered, ridge) * (1.0 + 1.3 * shade).max(0.15);
@@ -222,9 +242,14 @@ impl BarkAppearance {
 
     fn furrows(&self, place: DVec3, footprint: f64, noises: &mut impl Noises) -> Furrows {
         let (mut ridge, mut height, mut slope) = (1.0, 0.0, DVec3::ZERO);
+        // Shallow furrows are narrow: smooth bark has lines where rough bark has valleys.
+        let steepness = self.furrow_depth / self.furrow_width / WIDE_FURROW_DEPTH;
+        let openness = steepness.clamp(NARROWEST_FURROW, 1.0);
         for (i, order) in FURROWS.iter().enumerate() {
             let size = order.size * self.furrow_width;
-            let visible = visible_detail(size, footprint);
+            let half = order.edge * openness;
+            // What has to be seen is the slope of a furrow's side, which is narrower than the ridge: finer slopes would glitter.
+            let visible = visible_detail((1.8 * half).min(1.0) * size, footprint);
             // Furrows wander: the place is shifted sideways by slower noise before they are cut.
             let seed = self.seed ^ PURPOSE ^ ((i as u64 + 1) << 16);
             let slow = (DVec3::splat(size / 0.9), 0.9 / 0.35);
@@ -238,7 +263,7 @@ impl BarkAppearance {
             let along = (DVec3::splat(size / 0.7), 0.7 / 0.3);
             let (opening, opening_slope) = self.noise((noises, number + 2), seed ^ 2, place, along);
             let widened = 1.0 + FURROW_EDGE_VARIATION * opening;
-            let edge = FURROW_EDGE * widened.max(MIN_FURROW_EDGE);
+            let edge = half * widened.max(MIN_FURROW_EDGE);
             let x = (v.abs() / edge).min(1.0);
             let open = mix_scalar(MEAN_OPENNESS, x * x * (3.0 - 2.0 * x), visible);
             ridge *= 1.0 - order.share * (1.0 - open);
@@ -246,7 +271,7 @@ impl BarkAppearance {
             height += depth * (open - 1.0);
             if x < 1.0 {
                 let narrowing = if widened > MIN_FURROW_EDGE {
-                    FURROW_EDGE * FURROW_EDGE_VARIATION
+                    half * FURROW_EDGE_VARIATION
                 } else {
                     0.0
                 };

@@ -4,7 +4,7 @@
 use super::mix::{mix_scalar, visible_detail};
 use super::noises::{HEARTWOOD_NOISE, STREAK_NOISES};
 use super::wood::WoodAppearance;
-use crate::noise::{Noises, hash, smoothstep, unit};
+use crate::noise::{Noises, gradient_3d, hash, smoothstep, unit};
 use crate::rings::{RingSource, StemAddress, latewood_strength, periodic_cells};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -21,35 +21,31 @@ struct StreakSize {
     relief: f64,
 }
 
-/// Fibre bundles, slivers and fibres. They are longer than wide by 28 to 40 times: what is longer than the face looks like a blur.
+/// Slow changes along and across the wood, and single fibres; what lies between are bundles with edges.
 const STREAKS: [StreakSize; STREAK_NOISES] = [
     StreakSize {
         width: 5.0e-3,
         stretch: 28.0,
-        share: 0.10,
+        share: 0.09,
         relief: 120e-6,
     },
     StreakSize {
         width: 1.3e-3,
         stretch: 32.0,
-        share: 0.17,
-        relief: 90e-6,
+        share: 0.10,
+        relief: 60e-6,
     },
     StreakSize {
-        width: 0.35e-3,
-        stretch: 40.0,
-        share: 0.24,
-        relief: 70e-6,
-    },
-    StreakSize {
-        width: 0.10e-3,
-        stretch: 40.0,
-        share: 0.24,
-        relief: 20e-6,
+        width: 0.09e-3,
+        stretch: 90.0,
+        share: 0.20,
+        relief: 18e-6,
     },
 ];
 /// How far fibres wave to the sides, and the length of a wave along them, m: no grain is as straight as a ruler.
-const WAVES: [(f64, f64); 2] = [(0.25e-3, 43e-3), (0.03e-3, 11e-3)];
+const WAVES: [(f64, f64); 2] = [(0.25e-3, 75e-3), (0.02e-3, 17e-3)];
+/// How far rings undulate, and the length and width of a swell, m.
+const UNDULATION: (f64, f64, f64) = (2.2e-3, 0.16, 0.045);
 /// Width of a ray and the distance between rays around the stem, m.
 const RAY_WIDTH: f64 = 0.12e-3;
 const RAY_DISTANCE: f64 = 1.1e-3;
@@ -71,6 +67,7 @@ const HEARTWOOD: u64 = 0x48;
 const VESSEL: u64 = 0x56;
 const RAYS: u64 = 0x59;
 const WAVE: u64 = 0x57;
+const UNDULATE: u64 = 0x55;
 
 /// Streaks of fibres at a point.
 pub(super) struct Streaks {
@@ -100,7 +97,6 @@ impl WoodAppearance {
         footprint: f64,
         noises: &mut impl Noises,
     ) -> Streaks {
-        let place = self.waved(place);
         let (mut shade, mut height, mut slope) = (0.0, 0.0, DVec3::ZERO);
         for (i, size) in STREAKS.iter().enumerate() {
             let visible = visible_detail(size.width, footprint);
@@ -133,7 +129,7 @@ impl WoodAppearance {
     }
 
     /// Where a fibre that waves would be if it were straight.
-    fn waved(&self, place: DVec3) -> DVec3 {
+    pub(super) fn waved(&self, place: DVec3) -> DVec3 {
         let mut straight = place;
         for (i, (width, length)) in WAVES.into_iter().enumerate() {
             let (long, _) = periodic_cells(length, self.period);
@@ -151,7 +147,8 @@ impl WoodAppearance {
         at: &StemAddress,
         footprint: f64,
     ) -> Latewood {
-        let Some(position) = rings.ring_at(at) else {
+        let leaning = self.leaning(at);
+        let Some(position) = rings.ring_at(&leaning) else {
             return Latewood::default();
         };
         let fraction = position.fraction;
@@ -182,6 +179,27 @@ impl WoodAppearance {
             } else {
                 1.0
             },
+        }
+    }
+
+    /// The address whose ring a point shows where rings lean and undulate along the grain.
+    fn leaning(&self, at: &StemAddress) -> StemAddress {
+        if self.ring_lean == 0.0 {
+            return *at;
+        }
+        let place = DVec3::new(at.across.x, at.across.y, at.along);
+        let (long, period) = periodic_cells(UNDULATION.1, self.period);
+        let scale = DVec3::new(1.0 / UNDULATION.2, 1.0 / UNDULATION.2, 1.0 / long);
+        let wave = gradient_3d(self.seed ^ UNDULATE, place * scale, period).0;
+        // What tiles cannot lean.
+        let lean = if period > 0 {
+            0.0
+        } else {
+            self.ring_lean * at.along
+        };
+        StemAddress {
+            rho: (at.rho + (UNDULATION.0 * wave - lean) / self.radius).max(0.0),
+            ..*at
         }
     }
 

@@ -8,6 +8,7 @@
 
 mod bark;
 mod bark_kinds;
+mod bundles;
 mod colours;
 mod figures;
 mod mix;
@@ -22,7 +23,7 @@ mod wood;
 pub use bark::{BarkAppearance, BarkPoint};
 pub use bark_kinds::BarkKind;
 pub use colours::{COLOUR, SrgbColour, SrgbColourError, WoodColours};
-pub use shading::{OrientedSurface, SurfacePoint, faces_pith, weathered};
+pub use shading::{OrientedSurface, SurfacePoint, faces_pith, planed, torn, weathered};
 pub use stem::{EndSection, StemAppearance};
 pub use surface::WoodSurface;
 pub use wood::{WoodAppearance, WoodPoint};

@@ -1,7 +1,7 @@
 //! Numbers that tell the noises of wood's appearance apart, in the order of their memory.
 
 /// Streaks: the noises before that of the heartwood.
-pub(super) const STREAK_NOISES: usize = 4;
+pub(super) const STREAK_NOISES: usize = 3;
 /// What shifts the heartwood's edge.
 pub(super) const HEARTWOOD_NOISE: usize = STREAK_NOISES;
 /// Specks of pith and bark.

@@ -23,6 +23,13 @@ const BORE_RADII: f64 = 0.85;
 const WEATHERED_LIGHT: f64 = 0.62;
 const WEATHERED_TINT: [f64; 3] = [1.0, 0.985, 0.95];
 
+/// What is left of the relief of torn wood after planing.
+const PLANED_RELIEF: f64 = 0.25;
+/// How much less saturated a fresh tear is than planed wood, how much lighter, and its least roughness.
+const TORN_PALENESS: f64 = 0.16;
+const TORN_LIGHT: f64 = 1.05;
+const TORN_ROUGHNESS: f64 = 0.82;
+
 /// A point of the surface of a stem, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
@@ -68,7 +75,10 @@ impl StemAppearance {
         let at_end = grain.z < margin || grain.z > stem.length - margin;
         match at_end && end_grain > CUT_END_COSINE {
             true => self.with_saw_marks(shown, (stem, grain), point.footprint),
-            false => shown,
+            false => OrientedSurface {
+                surface: torn(shown.surface),
+                ..shown
+            },
         }
     }
 
@@ -80,14 +90,22 @@ impl StemAppearance {
         point: &SurfacePoint,
     ) -> (OrientedSurface, f64) {
         let (ring, angle) = self.address(stem, grain);
-        let (directions, end_grain) = match point.grain_gradients {
+        let normal = point.geometric_normal;
+        let (directions, end_grain, facing) = match point.grain_gradients {
             // A length along the grain that does not change along a face means that the face lies across it.
-            Some(rise) => (rise, (1.0 - rise[2].length_squared()).max(0.0).sqrt()),
+            Some(rise) => {
+                // They lie in the face: their vector products give the normal in the directions of the grain.
+                let [x, y, along] = rise;
+                let facing = DVec2::new(normal.dot(y.cross(along)), normal.dot(along.cross(x)));
+                let end_grain = (1.0 - along.length_squared()).max(0.0).sqrt();
+                (rise, end_grain, facing)
+            }
             None => {
                 let frame = stem.grain.axis().frame(grain.z);
                 (
                     [frame.x, frame.y, frame.tangent],
-                    point.geometric_normal.dot(frame.tangent).abs(),
+                    normal.dot(frame.tangent).abs(),
+                    DVec2::new(normal.dot(frame.x), normal.dot(frame.y)),
                 )
             }
         };
@@ -99,10 +117,7 @@ impl StemAppearance {
                 along: grain.z,
             },
             end_grain,
-            facing: DVec2::new(
-                point.geometric_normal.dot(directions[0]),
-                point.geometric_normal.dot(directions[1]),
-            ),
+            facing,
         };
         let shown = OrientedSurface {
             surface: (self.wood).surface_at(&*self.rings, &wood, point.footprint),
@@ -116,7 +131,10 @@ impl StemAppearance {
         let (shown, end_grain) = self.wood_and_cut(stem, grain, point);
         match end_grain > SAWN_COSINE {
             true => self.with_saw_marks(shown, (stem, grain), point.footprint),
-            false => shown,
+            false => OrientedSurface {
+                surface: planed(shown.surface),
+                ..shown
+            },
         }
     }
 
@@ -183,6 +201,31 @@ impl StemAppearance {
     }
 }
 
+/// Returns wood as it is on a fresh tear: lighter and less saturated than planed, because loose fibres scatter the light, and matt.
+pub fn torn(surface: WoodSurface) -> WoodSurface {
+    let light = luminance(surface.color);
+    let paler = |c: f64| (c + TORN_PALENESS * (light - c)) * TORN_LIGHT;
+    WoodSurface {
+        color: surface.color.map(|c| paler(c).min(1.0)),
+        roughness: surface.roughness.max(TORN_ROUGHNESS),
+        ..surface
+    }
+}
+
+/// Returns wood as a plane leaves it, which takes off most of the relief.
+pub fn planed(surface: WoodSurface) -> WoodSurface {
+    WoodSurface {
+        height: surface.height * PLANED_RELIEF,
+        slope: surface.slope * PLANED_RELIEF,
+        ..surface
+    }
+}
+
+/// Rec. 709.
+fn luminance([r, g, b]: [f64; 3]) -> f64 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 /// Returns whether the skin at a point is sawn wood.
 fn is_sawn(stem: &Stem, grain: DVec3, point: &SurfacePoint) -> bool {
     let end = || match point.grain_gradients {
@@ -220,8 +263,6 @@ pub fn faces_pith(stem: &Stem, grain: DVec3, normal: DVec3) -> bool {
 /// Returns the colour of wood that has weathered for years: light and rain take what is not cellulose, and leave it silver grey,
 /// with the figure of the wood (Hoadley, *Understanding Wood*, on weathering).
 pub fn weathered(color: [f64; 3]) -> [f64; 3] {
-    let [r, g, b] = color;
-    // Rec. 709.
-    let light = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    let light = luminance(color);
     WEATHERED_TINT.map(|tint| (WEATHERED_LIGHT * light * tint).min(1.0))
 }

@@ -75,6 +75,8 @@ pub struct WoodAppearance {
     pub ring_porous: bool,
     /// Diameter of the vessels, m; 0 for softwoods, which have none.
     pub vessel_diameter: f64,
+    /// How far the rings lean towards the top of the tree, m per m: a stem tapers, and planed faces cut its cone.
+    pub ring_lean: f64,
     /// How much rays stand out, 0 to 1.
     pub ray_contrast: f64,
     /// Height of the rays along the grain, m.
@@ -98,6 +100,12 @@ const SPLIT_ACROSS: f64 = 0.65;
 /// Width of the cambium, a pale line between wood and bark, m, and how much it shows.
 const CAMBIUM_WIDTH: f64 = 0.28e-3;
 const CAMBIUM_SHARE: f64 = 0.7;
+/// Cosines of the angle to the direction away from the pith between which a face begins to be one that bark came off.
+const PEELED: (f64, f64) = (0.15, 0.5);
+/// Tones of slivers between which those begin that inner bark sticks to.
+const BAST: (f64, f64) = (0.42, 0.62);
+/// How much of the wood strings of inner bark hide: they are thin.
+const BAST_SHARE: f64 = 0.75;
 /// In the hash: what the specks of pith and bark are drawn for.
 const SPECK: u64 = 0x4b;
 
@@ -118,10 +126,10 @@ impl WoodAppearance {
             phloem: 0.93,
             cork: 0.965,
             sapwood_color: srgb([224, 194, 150]),
-            latewood_color: srgb([176, 129, 82]),
-            heartwood_color: srgb([202, 160, 115]),
+            latewood_color: srgb([182, 140, 96]),
+            heartwood_color: srgb([209, 172, 129]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([161, 116, 78]),
+            phloem_color: srgb([150, 112, 82]),
             cork_color: srgb([106, 80, 60]),
             bark_color: None,
             bark_kind: None,
@@ -129,6 +137,7 @@ impl WoodAppearance {
             latewood_width: 0.6,
             ring_porous: false,
             vessel_diameter: 0.0,
+            ring_lean: 0.0,
             ray_contrast: 0.25,
             ray_height: 0.4e-3,
             seed: 0,
@@ -214,7 +223,12 @@ impl WoodAppearance {
         let address = &at.address;
         let place = DVec3::new(address.across.x, address.across.y, address.along);
         let end = at.end_grain.clamp(0.0, 1.0);
-        let mut streaks = self.streaks(place, footprint, noises);
+        let straight = self.waved(place);
+        let mut streaks = self.streaks(straight, footprint, noises);
+        let bundles = self.bundles(straight, at.facing, footprint);
+        streaks.shade += bundles.shade;
+        streaks.height += bundles.height;
+        streaks.slope += bundles.slope;
         // A saw cuts all fibres at one height.
         streaks.slope *= 1.0 - STREAKS_ACROSS * end;
         streaks.shade *= 1.0 - STREAKS_ACROSS * end;
@@ -222,7 +236,7 @@ impl WoodAppearance {
         let vessel = self.vessel(place, latewood.first_earlywood, footprint);
         let ray = self.ray_contrast * self.ray(address, footprint);
         let split = self.split(address, (place, at.facing), footprint);
-        let gap = split.gap * (1.0 - SPLIT_ACROSS * end);
+        let gap = split.gap.max(bundles.gap) * (1.0 - SPLIT_ACROSS * end);
 
         let sapwood = DVec3::from_array(self.sapwood_color);
         let mut color = mix(
@@ -257,6 +271,11 @@ impl WoodAppearance {
             roughness,
             end,
             shade: streaks.shade,
+            tone: bundles.tone,
+            outwards: at
+                .facing
+                .normalize_or_zero()
+                .dot(address.across.normalize_or_zero()),
         };
         self.blend_tissues(&mut surface, address, place, footprint, noises);
         WoodSurface {
@@ -307,12 +326,17 @@ impl WoodAppearance {
         let wide = CAMBIUM_WIDTH.max(footprint);
         let pale = (1.0 - smoothstep(0.3 * wide, wide, from_cambium)) * CAMBIUM_WIDTH / wide;
         let cambium = self.sapwood_color.map(|c| (1.12 * c).min(1.0));
+        // Bark comes off at the cambium: a face that looks outwards is wood, on which strings of inner bark are left.
+        let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards) * (1.0 - surface.end);
+        let strings = BAST_SHARE * smoothstep(BAST.0, BAST.1, surface.tone + 0.35 * ragged);
+        let left = |edge: f64| if edge == self.phloem { strings } else { 0.0 };
         for (edge, color, grain) in [
             (self.phloem, self.phloem_color, 0.20),
             (self.cork, self.cork_color, 0.42),
         ] {
             let wavy = rho + (0.008 * ragged + uneven);
-            let inside = smoothstep(edge - soft, edge + soft, wavy);
+            let inside =
+                smoothstep(edge - soft, edge + soft, wavy) * (1.0 - peeled * (1.0 - left(edge)));
             surface.blend(color, grain * speck, inside);
             if edge == self.phloem {
                 surface.blend(cambium, 0.1 * speck, CAMBIUM_SHARE * pale);
@@ -344,6 +368,10 @@ struct TissueBlend {
     end: f64,
     /// Change of brightness by streaks.
     shade: f64,
+    /// Tone of the slivers, −1 to 1.
+    tone: f64,
+    /// Cosine of the angle between the normal and the direction away from the pith, 0 where that is not known.
+    outwards: f64,
 }
 
 impl TissueBlend {
@@ -351,7 +379,7 @@ impl TissueBlend {
     fn blend(&mut self, color: [f64; 3], speck: f64, inside: f64) {
         const TISSUE_ROUGHNESS: f64 = 0.94;
         if inside > 0.0 {
-            let shade = (1.0 + speck + 0.5 * self.shade) * (1.0 - 0.15 * self.end);
+            let shade = (1.0 + speck + 0.8 * self.shade) * (1.0 - 0.15 * self.end);
             self.color = mix(self.color, DVec3::from_array(color) * shade, inside);
             self.roughness = mix_scalar(self.roughness, TISSUE_ROUGHNESS, inside);
         }

@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod board_elements;
+mod grain;
 mod looks;
 mod mensuration;
 mod refused_stems;
