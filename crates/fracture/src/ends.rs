@@ -36,6 +36,8 @@ pub(crate) struct TornEnds {
     pub strips: Strips,
     /// Ring coordinate of the outermost wood under bark; `None` where there is no bark.
     pub wood: Option<f64>,
+    /// The parts that slivers split into towards their tips.
+    pub forks: SectionPartition,
     /// One for each bundle.
     pub bundles: Vec<TornEnd>,
     /// Every node of every bundle.
@@ -55,16 +57,25 @@ pub(crate) struct TornEnd {
     pub slab_heights: (f64, f64),
     /// Random numbers of its sliver: how short it is, how long, and the height of its outline.
     pub sliver_random: [f64; 3],
+    /// The part of the sliver's tip that it is in.
+    pub fork: u32,
+    /// Random numbers of the part of the sliver's tip that it is in: how far that ends before the others, and the height of its
+    /// outline.
+    pub fork_random: [f64; 2],
+    /// Greatest height of that outline, radii.
+    pub fork_height: f64,
     /// Random numbers of its fibres.
     pub fibre_random: [f64; 3],
-    /// Random numbers of its crushing and of its depth in a split.
-    pub crushed_random: [f64; 2],
+    /// Random numbers of its crushing, of its depth in a split, and of how far it is torn beside the shelf.
+    pub crushed_random: [f64; 3],
     /// Step against other bundles of its ring, −1 to 1.
     pub step: f64,
     /// Raggedness of the edge of the compression shelf there.
     pub shelf: f64,
     /// The strip of bark that it lies under or is part of.
     pub strip: u32,
+    /// The plate of bark that it is part of, if it is.
+    pub plate: u32,
     /// Height of the end of that strip there.
     pub strip_end: f64,
     /// Random numbers of the string of inner bark that it is part of.
@@ -78,11 +89,25 @@ pub(crate) struct EndNode {
     pub cell: u32,
     /// Outline of the sliver; of the strip where the bundle is bark.
     pub shared_outline: f64,
+    /// Outline of the part of the sliver's tip.
+    pub fork_outline: f64,
+    /// Height of the slab here over that at the bundle's middle.
+    pub slab: f64,
+    /// Unevenness of short breaks, about −1 to 1: one value for all bundles at the node.
+    pub rough: f64,
     /// Outline of the bundle's own end.
     pub own_outline: f64,
     /// Raggedness of the bundle's own end.
     pub raggedness: f64,
 }
+
+/// How many parts a sliver splits into towards its tip, on average, and the most of all slivers.
+const FORKS: usize = 5;
+const MAX_FORKS: usize = 4000;
+/// Greatest length of such a part over its width.
+const FORK_SLENDERNESS: f64 = 7.0;
+/// How many steps of a ring follow each other along a radius's length of it.
+const STEPS_PER_RADIUS: f64 = 4.0;
 
 /// Returns the angle of a point, `at` in ring coordinates, among rays that wander, so that slabs do not end on straight lines
 /// to the pith.
@@ -147,6 +172,12 @@ impl TornEnds {
                 key.aspect,
                 seed(key.seed, purpose::SLIVER),
             ),
+            forks: SectionPartition::new(
+                &span,
+                (FORKS * key.slivers).min(MAX_FORKS),
+                key.aspect,
+                seed(key.seed, purpose::FORK),
+            ),
             strips: Strips::new(p),
             wood: barked.then_some(wood),
             bundles: Vec::new(),
@@ -185,6 +216,7 @@ impl TornEnds {
         if bundle.bark {
             return TornEnd {
                 strip: strip as u32,
+                plate: self.strips.plate(bundle.phi) as u32,
                 ..TornEnd::default()
             };
         }
@@ -197,21 +229,29 @@ impl TornEnds {
         let sliver = |what: i64| self.random(purpose::GROUP, number as i64, what);
         let place = self.shelf_coordinates(unit, self.middle(bundles, index, unit));
         let pair = i64::from(bundle.sector / 2);
+        let part = self.forks.find(rho, wandered);
+        let fork = |what: i64| self.random(purpose::FORK, part as i64, what);
         TornEnd {
             sliver: number as u32,
             slab: slab as u32,
             slab_heights: (height, shared),
             sliver_random: [sliver(9), sliver(0), sliver(1)],
+            fork: part as u32,
+            fork_random: [fork(0), fork(1)],
+            fork_height: FORK_SLENDERNESS * self.forks.region(part).size().0,
             fibre_random: [1, 2, 3].map(|n| self.random(purpose::FIBRE, key, n)),
-            crushed_random: [1, 7].map(|n| self.random(purpose::SHELF, key, n)),
+            crushed_random: [1, 7, 8].map(|n| self.random(purpose::SHELF, key, n)),
             step: noise::value_1d(
                 seed(self.key.seed, purpose::STEP) + u64::from(bundle.ring),
-                bundle.phi * 0.8,
+                // Patches of one length along the ring, wherever it is.
+                bundle.phi * (1.0 + STEPS_PER_RADIUS * rho),
             ),
             shelf: noises.shelf.at(place * 3.0),
             strip: strip as u32,
+            plate: 0,
             strip_end: if self.wood.is_some() {
-                self.strips.edge(strip, bundle.phi)
+                self.strips
+                    .edge((strip, self.strips.plate(bundle.phi)), bundle.phi)
             } else {
                 0.0
             },
@@ -225,6 +265,12 @@ impl TornEnds {
         let rays: Vec<f64> = nodes
             .map(|(&(rho, phi), &direction)| wandering_angle(noises, phi, direction * rho))
             .collect();
+        let rough: Vec<f64> = bundles
+            .addresses
+            .iter()
+            .zip(&bundles.directions)
+            .map(|(&(rho, _), &direction)| self.roughness(direction * rho))
+            .collect();
         // Facets of a bundle follow each other, so a node's last number is most often the right one.
         let mut last = vec![(NONE, 0); bundles.layout.nodes.len()];
         let facets = bundles.layout.facets.iter();
@@ -234,7 +280,8 @@ impl TornEnds {
                 let known = &mut last[n as usize];
                 if known.0 != cell {
                     *known = (cell, end_nodes.len() as u32);
-                    end_nodes.push(self.end_node(bundles, (cell, n), rays[n as usize]));
+                    let at = (rays[n as usize], rough[n as usize]);
+                    end_nodes.push(self.end_node(bundles, (cell, n), at));
                 }
                 known.1
             })
@@ -243,8 +290,20 @@ impl TornEnds {
         (self.corners, self.nodes) = (corners, end_nodes);
     }
 
-    /// Returns a node of a bundle; `wandered` is its angle among rays that wander.
-    fn end_node(&self, bundles: &FibreBundles, (cell, node): (u32, u32), wandered: f64) -> EndNode {
+    /// Returns the unevenness of short breaks at a point, in ring coordinates.
+    fn roughness(&self, at: DVec2) -> f64 {
+        let seed = seed(self.key.seed, purpose::ROUGH);
+        let octave = |n: u64, scale: f64| noise::gradient_2d(seed + n, at * scale);
+        1.1 * octave(0, 4.3) + 0.9 * octave(1, 9.7) + 0.7 * octave(2, 21.0)
+    }
+
+    /// Returns a node of a bundle with its angle among rays that wander and the unevenness there.
+    fn end_node(
+        &self,
+        bundles: &FibreBundles,
+        (cell, node): (u32, u32),
+        (wandered, rough): (f64, f64),
+    ) -> EndNode {
         let bundle: &FibreBundle = &bundles.bundles[cell as usize];
         let end = &self.bundles[cell as usize];
         let (rho, phi) = bundles.addresses[node as usize];
@@ -252,11 +311,16 @@ impl TornEnds {
             node,
             cell,
             shared_outline: 0.0,
+            fork_outline: 0.0,
+            slab: 0.0,
+            rough,
             own_outline: 0.0,
             raggedness: 0.0,
         };
         if bundle.bark {
-            let shared_outline = self.strips.edge(end.strip as usize, phi);
+            let shared_outline = self
+                .strips
+                .edge((end.strip as usize, end.plate as usize), phi);
             return EndNode {
                 shared_outline,
                 ..none
@@ -265,10 +329,14 @@ impl TornEnds {
         let number = end.sliver as usize;
         let kind = self.random(purpose::GROUP, number as i64, 2);
         let own_kind = self.random(purpose::FIBRE, i64::from(cell), 4);
+        let part = end.fork as usize;
+        let fork_kind = self.random(purpose::FORK, part as i64, 2);
         let off = wrap_angle(phi - bundle.phi);
         let along = (off / bundle.half_width.max(1e-9)).clamp(-1.0, 1.0);
         EndNode {
             shared_outline: torn_outline(kind, self.slivers.within(number, rho, wandered).x),
+            fork_outline: torn_outline(fork_kind, self.forks.within(part, rho, wandered).x),
+            slab: self.slabs.height(end.slab as usize, rho, wandered) - end.slab_heights.0,
             own_outline: torn_outline(own_kind, along),
             raggedness: noise::unit(
                 seed(self.key.seed, purpose::SHAFT),

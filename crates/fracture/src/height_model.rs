@@ -19,6 +19,8 @@ pub(crate) mod purpose {
     pub const SHAFT: u64 = 0x54af;
     pub const SLIVER: u64 = 0x511f;
     pub const GROUP: u64 = 0x6409;
+    pub const FORK: u64 = 0xf042;
+    pub const ROUGH: u64 = 0x4056;
     pub const FIBRE: u64 = 0xf1b3;
     pub const STEP: u64 = 0x57e9;
     pub const BARK: u64 = 0xba4c;
@@ -140,6 +142,32 @@ impl<'a> HeightModel<'a> {
     /// Inclination and layers at a place `across` (radii) of the pith, whose ring coordinate is `rho`.
     pub fn stepped(&self, across: DVec2, rho: f64, phi: f64) -> f64 {
         across.dot(self.tilt) + self.layers(rho, phi)
+    }
+
+    /// [`HeightModel::stepped`] where the layers tear off along the grain: near their borders wood stands at heights between, and a
+    /// layer runs out into the next with a rounded root. `off` moves the borders inwards, and `root` is the distance from them over
+    /// which layers run out, radii.
+    pub fn stepped_torn(
+        &self,
+        across: DVec2,
+        (rho, phi): (f64, f64),
+        (off, root): (f64, f64),
+    ) -> f64 {
+        let degrees = phi.to_degrees();
+        let share = |sector: &Sector| {
+            let place = (sector.depth(degrees, rho) - off) / root;
+            0.5 + 0.5 * place / (1.0 + place * place).sqrt()
+        };
+        let mut height = across.dot(self.tilt);
+        for (layer, sector) in [
+            (self.p.high.height, &self.high),
+            (self.p.low.height, &self.low),
+        ] {
+            if layer != 0.0 && sector.angle > 0.0 && sector.rings > 0.0 {
+                height += layer * share(sector);
+            }
+        }
+        height
     }
 
     fn layers(&self, rho: f64, phi: f64) -> f64 {

@@ -12,7 +12,7 @@ use crate::parameters::{BreakParameters, SurfaceStyle as Kind, ZoneParameters};
 pub use crate::slabs::SectionSpan;
 use crate::surface::SectionLayout;
 use crate::thorns::add_thorns;
-use crate::torn::{BundleHeight, TornRelief, bundle_noise};
+use crate::torn::{BundleHeight, TornRelief, bundle_noise, node_noise};
 pub use crate::wedge::Wedge;
 use glam::DVec2;
 use greenstick_wood::tissue::{Proportions, Zone};
@@ -273,6 +273,8 @@ struct BundleNoise {
     layout: Arc<SectionLayout>,
     key: NoiseKey,
     bundles: Vec<f64>,
+    /// The part of the noise that is continuous across bundles, at every node.
+    nodes: Vec<f64>,
 }
 
 impl BundleNoise {
@@ -296,6 +298,9 @@ impl BundleNoise {
             key,
             bundles: numbered
                 .map(|(i, bundle)| bundle_noise(maker, noises, i, bundle))
+                .collect(),
+            nodes: (bundles.addresses.iter().zip(&bundles.directions))
+                .map(|(&(rho, _), &direction)| node_noise(maker, noises, direction * rho.min(1.0)))
                 .collect(),
         });
         *cache = Some(made.clone());
@@ -327,7 +332,7 @@ fn fibrous_rims(
         .collect();
     let rims = torn.ends.nodes.iter();
     let heights = rims
-        .map(|rim| torn.node_height(&levels[rim.cell as usize], rim))
+        .map(|rim| torn.node_height(&levels[rim.cell as usize], rim, &noise.nodes))
         .collect();
     (heights, torn.ends, thorns)
 }

@@ -260,6 +260,11 @@ impl Slabs {
     /// ridges, so that they are no towers with square shoulders.
     pub fn at(&self, rho: f64, phi: f64) -> (usize, f64) {
         let number = self.parts.find(rho, phi);
+        (number, self.height(number, rho, phi))
+    }
+
+    /// Returns the height of a slab at a ring coordinate and an angle (rad) in it or at its edge.
+    pub fn height(&self, number: usize, rho: f64, phi: f64) -> f64 {
         let slab = &self.slabs[number];
         let off = (self.parts.within(number, rho, phi) - slab.ridge).abs();
         let far = off / (DVec2::ONE + slab.ridge.abs());
@@ -267,7 +272,7 @@ impl Slabs {
         let (width, thickness) = self.parts.region(number).size();
         let narrow = (4.0 * thickness / width.max(1e-9)).min(1.0);
         let down = slab.fall * (0.75 * far.x * far.x.sqrt() * narrow + 0.35 * far.y * far.y);
-        (number, slab.height * (1.0 - down))
+        slab.height * (1.0 - down)
     }
 
     /// Returns a slab.

@@ -19,8 +19,15 @@ pub(crate) struct Strips {
     walls: Vec<f64>,
     /// Height of each over the wood, in bark heights.
     heights: Vec<f64>,
+    /// Angles (rad, ascending) between which furrows leave the plates of bark, over a turn.
+    plates: Vec<f64>,
     seed: u64,
 }
+
+/// Plates of bark beside each other in a strip, on average.
+const PLATES: usize = 3;
+/// How much of the outline of a strip a plate has from its middle: it breaks across as one.
+const PLATE_SHARE: f64 = 0.7;
 
 impl Strips {
     pub fn new(p: &BreakParameters) -> Strips {
@@ -41,9 +48,15 @@ impl Strips {
                 0.7 * (extent - 0.5)
             }
         };
+        let total = PLATES * count;
+        let mut plates: Vec<f64> = (0..total)
+            .map(|n| TAU * (n as f64 + 0.8 * noise::unit(seed, n as i64, 3, 2)) / total as f64)
+            .collect();
+        plates.push(plates[0] + TAU);
         Strips {
             walls,
             heights: (0..count).map(height).collect(),
+            plates,
             seed,
         }
     }
@@ -66,12 +79,32 @@ impl Strips {
         (self.walls[strip] + self.walls[strip + 1]) / 2.0
     }
 
-    /// Returns the height of the end of a strip at an angle, over the wood under its middle, in bark heights. The end is torn
-    /// to one side or to a tongue, and ragged.
-    pub fn edge(&self, strip: usize, phi: f64) -> f64 {
+    /// Returns the number of the plate at an angle (rad).
+    pub fn plate(&self, phi: f64) -> usize {
+        let phi = self.plate_angle(phi);
+        let after = self.plates.partition_point(|&w| w <= phi);
+        after.clamp(1, self.plates.len() - 1) - 1
+    }
+
+    /// Returns an angle as plates count it.
+    fn plate_angle(&self, phi: f64) -> f64 {
+        let place = (phi - self.plates[0]) / TAU;
+        self.plates[0] + (place - place.floor()) * TAU
+    }
+
+    /// Returns the height of the end of a strip at an angle on a plate, over the wood under its middle, in bark heights. The end
+    /// is torn to one side or to a tongue, in steps from plate to plate, whose ends are blunt and ragged.
+    pub fn edge(&self, (strip, plate): (usize, usize), phi: f64) -> f64 {
+        let (from, to) = (self.plates[plate], self.plates[plate + 1]);
+        let half_plate = ((to - from) / 2.0).max(1e-6);
+        let off_plate = phi - (from + to) / 2.0;
+        let off_plate = off_plate - TAU * (off_plate / TAU).round();
+        let across = (off_plate / half_plate).clamp(-1.0, 1.0);
+        let own = |what: i64| noise::unit(self.seed, plate as i64, what, 2);
         let half = ((self.walls[strip + 1] - self.walls[strip]) / 2.0).max(1e-6);
         let off = phi - self.middle(strip);
-        let v = ((off - TAU * (off / TAU).round()) / half).clamp(-1.0, 1.0);
+        let off = off - TAU * (off / TAU).round() - PLATE_SHARE * off_plate;
+        let v = (off / half).clamp(-1.0, 1.0);
         let random = |what: i64| noise::unit(self.seed, strip as i64, what, 1);
         let height = self.heights[strip];
         // Longer strips narrow more.
@@ -81,9 +114,11 @@ impl Strips {
         // The angle on a circle, so that the edge closes.
         let on = |scale: f64| DVec2::new(cos, sin) * scale;
         let ragged = 0.22 * noise::gradient_2d(self.seed + 1, on(5.0))
-            + 0.16 * noise::gradient_2d(self.seed + 2, on(17.0))
-            + 0.12 * noise::gradient_2d(self.seed + 3, on(41.0));
-        height + torn * (shape - 0.5) + ragged
+            + 0.09 * noise::gradient_2d(self.seed + 2, on(17.0))
+            + 0.07 * noise::gradient_2d(self.seed + 3, on(41.0));
+        let blunt = 0.16 * (own(0) - 0.5) + 0.14 * (own(1) - 0.5) * across
+            - 0.08 * across * across * across * across;
+        height + torn * (shape - 0.5) + ragged + blunt
     }
 }
 

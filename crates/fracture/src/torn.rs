@@ -9,6 +9,7 @@ use crate::ends::{EndNode, TornEnd, TornEnds, wandering_angle};
 use crate::field::HeightField;
 use crate::height_model::{HeightModel, NoiseSamplers, unit};
 use crate::layout::{FibreBundle, FibreBundles};
+use crate::parameters::ZoneParameters;
 use glam::DVec2;
 use greenstick_wood::noise;
 use greenstick_wood::tissue::Zone;
@@ -26,8 +27,18 @@ pub(crate) struct BundleHeight {
     slant: DVec2,
     /// Height of the sliver's outline, below zero where it hangs out of the upper piece.
     sliver: f64,
-    /// Height of the bundle's own.
+    /// Height of the outline of its part of the sliver's tip.
+    fork: f64,
+    /// Height of the slab's shape within the bundle.
+    slab: f64,
+    /// Height of the bundle's own outline.
     blade: f64,
+    /// Height of the unevenness that it shares with those beside it.
+    rough: f64,
+    /// Height of the folds of crushed wood.
+    folds: f64,
+    /// Whether it has the noise of its nodes.
+    noisy: bool,
     bark: bool,
 }
 
@@ -71,6 +82,19 @@ const STRING_REACH: f64 = 1.3;
 /// How much of a field's height a bundle has from the middle of its sliver; the rest is that at its own place. With 1, slivers
 /// would be terraces wherever the field slopes; with 0, steps of the field would cut through slivers.
 const SLIVER_SHARE: f64 = 0.85;
+/// Distances from the edge of the compression shelf, radii, between which crushed wood passes into torn wood, and by how much those
+/// of slivers and of bundles differ.
+const SHELF_EDGE: (f64, f64) = (-0.08, 0.26);
+const SHELF_SLIVERS: f64 = 0.16;
+const SHELF_BUNDLES: f64 = 0.12;
+/// By how much the borders of layers wander, and by how much those of slivers differ, radii.
+const LAYER_WANDER: f64 = 0.07;
+const LAYER_SLIVERS: f64 = 0.09;
+/// Distances from the border of a layer over which it runs out, radii, in the wood and in the bark.
+const LAYER_ROOT: f64 = 0.04;
+const BARK_ROOT: f64 = 0.08;
+/// Width of the folds of crushed wood, radii, at most: with the usual heights their sides lie at 45° to 60° to the grain.
+const FOLD_WIDTH: f64 = 0.11;
 /// Greatest length of a blade over its width.
 const MAX_SLENDERNESS: f64 = 9.0;
 
@@ -115,8 +139,8 @@ impl<'a> TornRelief<'a> {
     /// Returns how much of a bundle is torn rather than crushed, 0 to 1.
     fn torn_share(&self, shelf: f64) -> f64 {
         if self.model.p.compression_shelf > 0.0 {
-            // Torn wood stands free within a tenth of a radius of the shelf's edge.
-            noise::smoothstep(-0.05, 0.1, shelf)
+            let (from, to) = SHELF_EDGE;
+            noise::smoothstep(from, to, shelf)
         } else {
             1.0
         }
@@ -158,7 +182,7 @@ impl<'a> TornRelief<'a> {
         let wandered = wandering_angle(noises, phi, at * UNDER_BARK);
         let slab = self.ends.slabs.at(UNDER_BARK, wandered).1;
         let wood = 0.7 * p.slab_height * self.model.site.relief * torn * slab;
-        self.model.stepped(at, 0.99, phi) + wood + p.bark_offset
+        self.model.stepped_torn(at, (0.99, phi), (0.0, BARK_ROOT)) + wood + p.bark_offset
     }
 
     /// Returns the height of a bundle that ends at a field of nothing but heights.
@@ -176,6 +200,11 @@ impl<'a> TornRelief<'a> {
             middle,
             slant: DVec2::ZERO,
             sliver: 0.0,
+            fork: 0.0,
+            slab: 0.0,
+            rough: 0.0,
+            folds: 0.0,
+            noisy: false,
             blade: if bundle.bark { 0.0 } else { fibre },
             bark: bundle.bark,
         }
@@ -186,7 +215,7 @@ impl<'a> TornRelief<'a> {
     fn bark_level(&self, strip: usize, phi: f64) -> f64 {
         let level = self.under_bark[strip];
         match self.field {
-            None => level,
+            None => level + self.border_of_layer(strip, phi),
             Some(field) => {
                 let p = self.model.p;
                 let below = self.around(field, phi) + p.bark_offset;
@@ -194,6 +223,20 @@ impl<'a> TornRelief<'a> {
                 level.clamp(below - free, below + free)
             }
         }
+    }
+
+    /// Returns by how much the layers are higher at an angle (rad) than under the middle of a strip of bark, which tears askew where
+    /// one ends.
+    fn border_of_layer(&self, strip: usize, phi: f64) -> f64 {
+        let p = self.model.p;
+        if p.high.height == 0.0 && p.low.height == 0.0 {
+            return 0.0;
+        }
+        let at = |phi: f64| {
+            self.model
+                .stepped_torn(DVec2::ZERO, (0.99, phi), (0.0, BARK_ROOT))
+        };
+        at(phi) - at(self.ends.strips.middle(strip))
     }
 
     /// Returns the height of the wood under the bark about an angle (rad): bark is too tough along the ring to follow steps.
@@ -240,7 +283,12 @@ impl<'a> TornRelief<'a> {
             middle,
             slant: tilt,
             sliver: p.bark_height * self.bark_relief(bundle.phi),
+            fork: 0.0,
+            slab: 0.0,
             blade: 0.0,
+            rough: 0.0,
+            folds: 0.0,
+            noisy: false,
             bark: true,
         }
     }
@@ -258,9 +306,12 @@ impl<'a> TornRelief<'a> {
         let model = self.model;
         let Some(field) = self.field else {
             let across = (middle - self.ends.pith) / model.site.radius;
-            let shelf = self.distance_to_shelf(end.shelf, at, middle);
+            let shelf = self.distance_to_shelf(end.shelf, at, middle)
+                + SHELF_SLIVERS * (end.sliver_random[2] - 0.5)
+                + SHELF_BUNDLES * (end.crushed_random[2] - 0.5);
+            let off = LAYER_WANDER * end.shelf + LAYER_SLIVERS * (end.sliver_random[2] - 0.5);
             return LargeShape {
-                level: model.stepped(across, rho, bundle.phi) + noise,
+                level: model.stepped_torn(across, (rho, bundle.phi), (off, LAYER_ROOT)) + noise,
                 split: self.split(shelf, end.crushed_random[1]),
                 tilt: model.tilt,
                 torn: self.torn_share(shelf),
@@ -322,11 +373,16 @@ impl<'a> TornRelief<'a> {
         let fibre = relief * p.fibre_height * (0.25 + 0.75 * torn);
         let blade =
             fibre * (0.6 + 5.0 * far * far * far * far * torn) + 0.25 * torn * length * blade;
-        let crushed = p.compression_height * (end.crushed_random[0] - 0.5);
+        let [drop, fork] = end.fork_random;
+        let fork =
+            (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
+        let crushed =
+            p.compression_height * (1.1 * heavy(drop) + 0.5 * heavy(end.crushed_random[0]));
         let slant = slab.slant * (torn * relief * p.slab_height);
         let torn_height = relief * p.slab_height * slab_height
             + up * (1.6 * length - 0.4 * p.sliver_height * relief * torn)
-            + p.step_height * end.step
+            + up * 0.6 * length * heavy(drop)
+            + p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
             + fibre * (off - 0.5);
         let base = level + torn * torn_height + (1.0 - torn) * crushed + slant.dot(at) - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
@@ -341,6 +397,11 @@ impl<'a> TornRelief<'a> {
             middle,
             slant: slant + tilt,
             sliver: up * outline,
+            fork: up * fork,
+            slab: 0.35 * torn * relief * p.slab_height * (1.0 - 0.75 * short * short),
+            rough: torn * p.step_height + (1.0 - torn) * p.compression_height,
+            folds: (1.0 - torn) * 0.8 * p.compression_height,
+            noisy: true,
             blade: up * blade.min(3.0 * MAX_SLENDERNESS * width),
             bark: false,
         }
@@ -364,7 +425,8 @@ impl<'a> TornRelief<'a> {
                 base.clamp(level - free, level + free)
             }
         };
-        let bark = level + height * (end.strip_end + 0.5 * (long - 0.6));
+        // It tears at other heights than the bark outside of it.
+        let bark = level + height * (end.strip_end + 0.9 * heavy(long) - 0.1);
         base + (bark - base) * with
     }
 
@@ -393,8 +455,19 @@ impl<'a> TornRelief<'a> {
         self.model.p.split * near * (0.4 + 0.6 * deep)
     }
 
-    /// Returns the height of a bundle's end at one of its nodes.
-    pub fn node_height(&self, level: &BundleHeight, node: &EndNode) -> f64 {
+    /// Returns the height of a fold of crushed wood at a point (m), 0 to 1, where folds are `height` high. Their ridges run across
+    /// the way that the stem was bent, and wind.
+    fn fold(&self, at: DVec2, height: f64, rough: f64) -> f64 {
+        if height <= 0.0 {
+            return 0.0;
+        }
+        let way = (at - self.ends.pith).dot(self.model.tension) / self.model.site.radius;
+        let place = way / FOLD_WIDTH + 0.5 * rough;
+        (2.0 * (place - place.floor()) - 1.0).abs()
+    }
+
+    /// Returns the height of a bundle's end at one of its nodes, which have `noises`.
+    pub fn node_height(&self, level: &BundleHeight, node: &EndNode, noises: &[f64]) -> f64 {
         let bundles = self.bundles;
         let radius = self.model.site.radius;
         if level.bark {
@@ -413,7 +486,19 @@ impl<'a> TornRelief<'a> {
         }
         let at = bundles.layout.nodes[node.node as usize];
         let slope = level.slant.dot(at - level.middle) / radius;
-        let height = level.base + slope + level.sliver * node.shared_outline;
+        let noise = if level.noisy {
+            noises[node.node as usize]
+        } else {
+            0.0
+        };
+        let height = level.base
+            + slope
+            + noise
+            + level.sliver * node.shared_outline
+            + level.fork * node.fork_outline
+            + level.slab * node.slab
+            + level.rough * node.rough
+            + level.folds * self.fold(at, level.folds, node.rough);
         if level.thorn > 0.0 {
             // A slender prism, and on it a pyramid that leans to one side.
             let shaft = self.model.p.thorn_shaft;
@@ -429,20 +514,41 @@ impl<'a> TornRelief<'a> {
     }
 }
 
-/// Returns the noise at a bundle, number `index` of its layout (Yang 2019, Eqs. 2 to 5).
+/// Maps a random number from 0 to 1 to one from −1 to 1 with heavy tails: most are small.
+fn heavy(random: f64) -> f64 {
+    let t = 2.0 * random - 1.0;
+    t * (0.2 + 0.8 * t * t * t * t)
+}
+
+/// Returns the noise of a bundle, number `index` of its layout (Yang 2019, Eqs. 2 to 5). Of wood it is the white noise alone: Perlin
+/// noise is continuous, and each node has its own ([`node_noise`]).
 pub(crate) fn bundle_noise(
     model: &HeightModel,
     noises: &mut NoiseSamplers,
     index: usize,
     bundle: &FibreBundle,
 ) -> f64 {
-    let (zone, at, key) = if bundle.bark {
+    if bundle.bark {
         let key = (1 << 40) + i64::from(bundle.sector);
-        (Zone::Bark, unit(1.0, bundle.phi), key)
-    } else {
-        let rho = bundle.rho.min(1.0);
-        let zone = model.p.proportions().zone_at(rho, 0.0);
-        (zone, unit(rho, bundle.phi), index as i64)
+        return model.noise(noises, unit(1.0, bundle.phi), model.p.zone(Zone::Bark), key);
+    }
+    let zone = model.p.proportions().zone_at(bundle.rho.min(1.0), 0.0);
+    let white = ZoneParameters {
+        perlin_amplitude: 0.0,
+        ..model.p.zone(zone).clone()
     };
-    model.noise(noises, at, model.p.zone(zone), key)
+    model.noise(noises, DVec2::ZERO, &white, index as i64)
+}
+
+/// Returns the Perlin noise of wood at a node, `at` in ring coordinates.
+pub(crate) fn node_noise(model: &HeightModel, noises: &mut NoiseSamplers, at: DVec2) -> f64 {
+    let rho = at.length().min(1.0);
+    let perlin = ZoneParameters {
+        white_noise_amplitude: 0.0,
+        ..model
+            .p
+            .zone(model.p.proportions().zone_at(rho, 0.0))
+            .clone()
+    };
+    model.noise(noises, at, &perlin, 0)
 }

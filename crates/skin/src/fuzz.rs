@@ -22,7 +22,7 @@ const DENSITY: f64 = 9e5;
 /// Triangles of fuzz over those of its piece, at most, with a fuzz of 1.
 const MAX_SHARE: f64 = 1.2;
 /// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
-const MEAN_TRIANGLES: f64 = 12.0;
+const MEAN_TRIANGLES: f64 = 16.0;
 /// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a
 /// picture of all of a log cannot show single fibres.
 const REFERENCE_RADIUS: f64 = 0.02;
@@ -190,26 +190,30 @@ fn strand_on(
     // Most begin near the free end of the wall; some splinter off backwards.
     let (one, other) = (place(0), place(2));
     let ahead = forward * (of(one, frame.grain).z - of(other, frame.grain).z) > 0.0;
-    let weights = if ahead == (random(4) < 0.7) {
+    let weights = if ahead == (random(4) < 0.85) {
         one
     } else {
         other
     };
-    let direction = if random(5) < 0.12 { -forward } else { forward };
+    let direction = if random(5) < 0.05 { -forward } else { forward };
     let size = size(options.stem);
     let long = random(6);
-    let mut length = size * (0.8e-3 + 2.6e-3 * random(7) + 9e-3 * long * long * long * long);
+    // Most are short, and lengths differ by a decade.
+    let mut length =
+        size * (0.5e-3 + 2.2e-3 * random(7) * random(7) + 10e-3 * long * long * long * long * long);
     // What stands out beyond the edge is short.
     let ahead = frame.grain.map(|g| direction * g.z);
     let edge = ahead[0].max(ahead[1]).max(ahead[2]) - direction * of(weights, frame.grain).z;
     let beyond = size * (0.6e-3 + 3.2e-3 * random(15) * random(16));
     length = length.min(edge + beyond);
-    let width = size * (0.08e-3 + 0.08e-3 * random(8)) + 0.02 * length * random(9);
-    // Most lie close, some stand off.
+    let width = size * (0.035e-3 + 0.06e-3 * random(8) * random(8)) + 0.012 * length * random(9);
+    // Most lie close, some stand off. Those beside each other bend to one side, so that they hardly cross, and all are bent.
     let loose = random(10);
-    let lift = 0.03 + 0.45 * loose * loose * loose * loose;
-    let curl = 0.4 * (random(11) - 0.25);
-    let sway = 0.45 * (random(12) - 0.5);
+    let lift = 0.02 + 0.3 * loose * loose * loose * loose;
+    let place = of(weights, frame.grain) / (TUFT.0 * size);
+    let together = |k: u64| gradient_3d(options.seed ^ PURPOSE ^ k << 40, place, 0).0;
+    let curl = 0.12 + 0.55 * together(1) + 0.25 * random(11);
+    let sway = 0.9 * together(2) + 0.12 * (random(12) - 0.5);
     let mut strand = Strand {
         root: Root {
             position: of(weights, frame.corners),

@@ -144,6 +144,24 @@ impl Sector {
     }
 }
 
+impl Sector {
+    /// Distance (radii) of a point at `angle` (degrees) and ring coordinate `rho` from the border of the fan, below 0 outside of it.
+    pub fn depth(&self, angle: f64, rho: f64) -> f64 {
+        let turned = (angle - self.direction + 180.0).rem_euclid(360.0) - 180.0;
+        let beside = (0.5 * self.angle - turned.abs()).clamp(-90.0, 90.0);
+        let beside = match self.angle < 360.0 {
+            true => rho * libm::sin(beside.to_radians()),
+            false => f64::INFINITY,
+        };
+        let across = match self.rings < 1.0 {
+            true => rho - (1.0 - self.rings),
+            false => f64::INFINITY,
+        };
+        // A whole section has no border; so deep is deep enough.
+        beside.min(across).min(1.0)
+    }
+}
+
 impl HighLayer {
     /// The fan it takes.
     pub fn sector(&self) -> Sector {
