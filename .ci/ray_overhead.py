@@ -3,9 +3,10 @@
 The same parts of a sweep, of one variant each, are made by threads of this process and by tasks of a cluster on this machine with
 as many cores, in turns. Printed are the seconds of each round, and of the medians how much longer the cluster takes. Starting the
 cluster and the first task of each of its processes, which imports the library, are not counted: a sweep has them once. The machine
-must have nothing else to do."""
+should have nothing else to do."""
 
 import argparse
+import os
 import statistics
 import tempfile
 import time
@@ -13,7 +14,10 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import greenstick
-import ray
+
+# Tasks of Ray yield to everything else on a machine (niceness 15), which threads of this process do not: here both have the same rank.
+os.environ.setdefault("RAY_worker_niceness", "0")
+import ray  # noqa: E402
 
 
 def seconds(tasks: int, cores: int, folder: Path, on_ray: bool, seed: int) -> float:
