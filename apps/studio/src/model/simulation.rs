@@ -4,6 +4,7 @@ use super::engine::Failure;
 use super::input::Input;
 use super::meshes::DrawnScene;
 use greenstick::BreakRequest;
+use greenstick::formats::LengthUnit;
 use greenstick::wood::stem::StemLocation;
 
 /// A scene that comes with the program.
@@ -130,6 +131,8 @@ pub struct Taken {
     pub request: BreakRequest,
     /// The stem, where it is not the one at hand.
     pub input: Option<Input>,
+    /// The unit of length in its file, where one was named.
+    pub unit: Option<LengthUnit>,
 }
 
 /// A frame as it is drawn.

@@ -115,7 +115,8 @@ impl Studio {
                 simulation.playback.follows = false;
             }
             News::Ended(Err(failure)) => {
-                simulation.asked = None;
+                // A frame that cannot be drawn is not asked for again.
+                simulation.shown = simulation.asked.take().or(simulation.shown);
                 let nothing = simulation.frames() == 0;
                 self.fail(&failure);
                 if nothing {
@@ -152,9 +153,16 @@ impl Studio {
 
     /// Breaks the stem as the simulation did.
     fn use_taken(&mut self, taken: Taken, now: f64) {
-        let Taken { mut request, input } = taken;
+        let Taken {
+            mut request,
+            input,
+            unit,
+        } = taken;
         let base = match &input {
-            Some(_) => RequestFile::default(),
+            Some(_) => RequestFile {
+                unit,
+                ..RequestFile::default()
+            },
             None => self.project.file.clone(),
         };
         request.texture_width = base.texture_width;
