@@ -3,6 +3,7 @@
 use super::dialogs::buttons;
 use super::simulation_view::SimulationView;
 use super::studio::Studio;
+use crate::model::engine::Failure;
 use crate::model::input::InputContent;
 use crate::model::simulation::{
     Look, News, Playback, Recorded, SceneEntry, SimulationJob, Source, Taken,
@@ -170,6 +171,10 @@ impl Studio {
         if let [only] = &file.breaks[..] {
             file.common = only.clone();
             file.breaks.clear();
+        }
+        // Names of species become those that a recipe is read with.
+        if let Err(problem) = file.complete() {
+            return self.fail(&Failure::new(problem));
         }
         self.end_simulation();
         match input {
