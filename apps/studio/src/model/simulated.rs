@@ -419,8 +419,11 @@ impl FrameArtist {
 pub struct EndedRun {
     run: Run,
     /// The stem that it is of; none where it is that of its scene.
-    stem: Option<Input>,
+    stem: Option<RunStem>,
 }
+
+/// The stem of a run, and the unit of length in its file, where one was named.
+pub type RunStem = (Input, Option<LengthUnit>);
 
 impl EndedRun {
     /// Opens a run that ended.
@@ -430,7 +433,7 @@ impl EndedRun {
     pub fn open(
         source: Arc<dyn RunSource>,
         meshes: &SceneMeshes,
-        stem: Option<Input>,
+        stem: Option<RunStem>,
         context: &Context,
     ) -> Result<Self, Failure> {
         let run = open_run(source, meshes, context)?;
@@ -459,14 +462,15 @@ impl EndedRun {
     pub fn take(&self, at_hand: Option<u64>, context: &Context) -> Result<Taken, Failure> {
         let last = self.run.frames().saturating_sub(1);
         let faces = simulated_faces(&self.run, last, PartlyBroken::Separated, context)?;
-        let input = match &self.stem {
-            Some(stem) if at_hand == Some(stem.id) => None,
-            Some(stem) => Some(stem.clone()),
-            None => Some(self.own_stem()?),
+        let (input, unit) = match &self.stem {
+            Some((stem, _)) if at_hand == Some(stem.id) => (None, None),
+            Some((stem, unit)) => (Some(stem.clone()), *unit),
+            None => (Some(self.own_stem()?), None),
         };
         Ok(Taken {
             request: faces.request,
             input,
+            unit,
         })
     }
 

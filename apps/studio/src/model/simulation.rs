@@ -4,6 +4,7 @@ use super::engine::Failure;
 use super::input::Input;
 use super::meshes::DrawnScene;
 use greenstick::BreakRequest;
+use greenstick::formats::LengthUnit;
 use greenstick::wood::stem::StemLocation;
 
 /// A scene that comes with the program.
@@ -84,20 +85,18 @@ impl Chart {
         let points = || self.lines.iter().flat_map(|l| &l.points);
         let all = || points().filter(|p| p[0].is_finite() && p[1].is_finite());
         let first = all().next()?;
-        let mut bounds = [[first[0], 0.0], [first[0], 0.0]];
-        for p in all() {
-            for k in 0..2 {
-                bounds[0][k] = bounds[0][k].min(p[k]);
-                bounds[1][k] = bounds[1][k].max(p[k]);
-            }
+        let (mut low, mut high) = ([first[0], 0.0], [first[0], 0.0]);
+        for [x, y] in all() {
+            low = [low[0].min(*x), low[1].min(*y)];
+            high = [high[0].max(*x), high[1].max(*y)];
         }
         // What does not move is still a range.
-        for k in 0..2 {
-            if bounds[1][k] - bounds[0][k] <= 0.0 {
-                bounds[1][k] = bounds[0][k] + 1.0;
+        for (high, low) in high.iter_mut().zip(low) {
+            if *high <= low {
+                *high = low + 1.0;
             }
         }
-        Some(bounds)
+        Some([low, high])
     }
 }
 
@@ -130,6 +129,8 @@ pub struct Taken {
     pub request: BreakRequest,
     /// The stem, where it is not the one at hand.
     pub input: Option<Input>,
+    /// The unit of length in its file, where one was named.
+    pub unit: Option<LengthUnit>,
 }
 
 /// A frame as it is drawn.

@@ -149,6 +149,12 @@ fn read_input(path: &Path, unit: Option<LengthUnit>) -> Result<Input, Failure> {
     Ok(Input::read(path.display().to_string(), content))
 }
 
+/// Whether `stem` is what was written beside the kept project at `path`.
+fn is_kept_stem(path: &Path, stem: &Path) -> bool {
+    let is_kept = path.file_name().is_some_and(|n| n == KEPT_FILE);
+    is_kept && stem == Path::new(&ProjectFile::stem_path(&path.to_string_lossy()))
+}
+
 /// Reads a project or recipe with what it is about.
 fn read_project(path: &Path) -> Result<(Input, ProjectFile), Failure> {
     let text = files::read_text(path).map_err(Failure::new)?;
@@ -156,6 +162,13 @@ fn read_project(path: &Path) -> Result<(Input, ProjectFile), Failure> {
     let mut file = read.map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let input = match &file.request.input {
+        // What was kept for a recovery has no file of its own yet.
+        Some(name) if is_kept_stem(path, &folder.join(name)) => {
+            let stem = folder.join(name);
+            let bytes = std::fs::read(&stem).map_err(Failure::new)?;
+            let (content, _) = files::load_content(&stem, None).map_err(Failure::new)?;
+            Input::made(content, bytes)
+        }
         Some(name) => read_input(&folder.join(name), file.request.unit)?,
         None => Input::built_in(),
     };

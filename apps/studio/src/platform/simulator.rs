@@ -5,7 +5,7 @@ use super::{Done, WorkProgress};
 use crate::model::engine::Failure;
 use crate::model::input::{Input, InputContent};
 use crate::model::simulated::{
-    EndedRun, FrameArtist, Recording, put_on, recorded, recorded_outcome, run,
+    EndedRun, FrameArtist, Recording, RunStem, put_on, recorded, recorded_outcome, run,
 };
 use crate::model::simulation::{Look, News, SimulationJob, Source};
 use greenstick::fibre::scene::Scene as Setting;
@@ -215,7 +215,7 @@ fn work(job: SimulationJob, shared: Shared, teller: &Teller) -> Result<(), Failu
             let outcome = run((setting, meshes.clone()), &recording, &tell, &running)?;
             teller.tell(News::Recorded(recorded(&recording)));
             teller.tell(News::Ended(Ok(outcome)));
-            (source, meshes, job.stem.map(|s| s.0))
+            (source, meshes, job.stem.map(|s| (s.0, None)))
         }
     };
     let wood = || {
@@ -237,7 +237,7 @@ fn work(job: SimulationJob, shared: Shared, teller: &Teller) -> Result<(), Failu
 }
 
 /// A run with the meshes of its scene, and the stem that it is of where that is a file.
-type OpenedRun = (Arc<dyn RunSource>, SceneMeshes, Option<Input>);
+type OpenedRun = (Arc<dyn RunSource>, SceneMeshes, Option<RunStem>);
 
 /// Reads a run that was recorded in a folder.
 fn read_run(folder: &Path) -> Result<OpenedRun, Failure> {
@@ -248,7 +248,7 @@ fn read_run(folder: &Path) -> Result<OpenedRun, Failure> {
             if let Content::Mesh(scene) = &mut content {
                 files::embed_images(scene, &path);
             }
-            Some(Input::read(path.display().to_string(), content))
+            Some((Input::read(path.display().to_string(), content), unit))
         }
         None => None,
     };
@@ -256,7 +256,7 @@ fn read_run(folder: &Path) -> Result<OpenedRun, Failure> {
     let run = RunFolder::new(folder, origin);
     let scene = run.scene().map_err(Failure::new)?;
     let bodies = read_body_meshes(&scene, &beside, Reach::Outside).map_err(Failure::new)?;
-    let input = match stem.as_ref().map(|s| &*s.content) {
+    let input = match stem.as_ref().map(|s| &*s.0.content) {
         Some(InputContent::Mesh(scene)) => Some(scene.clone()),
         _ => None,
     };

@@ -2,6 +2,7 @@
 
 use super::actions::Action;
 use super::studio::Studio;
+use crate::model::engine::Failure;
 use crate::model::input::Input;
 use crate::platform::{Lane, Opened};
 use crate::view::camera::AxisView;
@@ -24,7 +25,12 @@ impl Studio {
             Action::ViewBottom => look(AxisView::Top, true),
             Action::Perspective => self.camera.parallel ^= true,
             Action::VerticalAxis => self.camera.z_up ^= true,
-            Action::Simulate => self.dialog = self.dialog_of(action),
+            Action::Simulate => match self.dialog_of(action) {
+                Some(dialog) => self.dialog = Some(dialog),
+                None => self.fail(&Failure::new(
+                    "Nothing can be simulated here: a page has one thread for its work. The program simulates.",
+                )),
+            },
             Action::HidePhotograph => self.photograph.hidden ^= true,
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,

@@ -22,7 +22,7 @@ pub fn short(x: f64) -> String {
     let size = x.abs();
     if size == 0.0 {
         "0".to_owned()
-    } else if size >= 1e5 || size < 1e-3 {
+    } else if !(1e-3..1e5).contains(&size) {
         format!("{x:.1e}")
     } else {
         let digits = (2 - size.log10().floor() as i32).clamp(0, 5) as usize;

@@ -195,7 +195,10 @@ impl Studio {
             .path
             .clone()
             .unwrap_or_else(|| project_name(self));
-        let command = equivalent(&self.project.file, input.as_deref(), &path, &project);
+        let command = match self.project.input.made {
+            Some(_) => "Save the project first: its stem has no file yet.".to_owned(),
+            None => equivalent(&self.project.file, input.as_deref(), &path, &project),
+        };
         egui::ScrollArea::vertical()
             .id_salt("command")
             .max_height(80.0)

@@ -3,6 +3,7 @@
 use super::dialogs::buttons;
 use super::simulation_view::SimulationView;
 use super::studio::Studio;
+use crate::model::engine::Failure;
 use crate::model::input::InputContent;
 use crate::model::simulation::{
     Look, News, Playback, Recorded, SceneEntry, SimulationJob, Source, Taken,
@@ -115,7 +116,8 @@ impl Studio {
                 simulation.playback.follows = false;
             }
             News::Ended(Err(failure)) => {
-                simulation.asked = None;
+                // A frame that cannot be drawn is not asked for again.
+                simulation.shown = simulation.asked.take().or(simulation.shown);
                 let nothing = simulation.frames() == 0;
                 self.fail(&failure);
                 if nothing {
@@ -152,9 +154,16 @@ impl Studio {
 
     /// Breaks the stem as the simulation did.
     fn use_taken(&mut self, taken: Taken, now: f64) {
-        let Taken { mut request, input } = taken;
+        let Taken {
+            mut request,
+            input,
+            unit,
+        } = taken;
         let base = match &input {
-            Some(_) => RequestFile::default(),
+            Some(_) => RequestFile {
+                unit,
+                ..RequestFile::default()
+            },
             None => self.project.file.clone(),
         };
         request.texture_width = base.texture_width;
@@ -162,6 +171,10 @@ impl Studio {
         if let [only] = &file.breaks[..] {
             file.common = only.clone();
             file.breaks.clear();
+        }
+        // Names of species become those that a recipe is read with.
+        if let Err(problem) = file.complete() {
+            return self.fail(&Failure::new(problem));
         }
         self.end_simulation();
         match input {

@@ -76,6 +76,14 @@ fn a_scene_is_simulated_played_and_taken_as_a_break_that_projects_keep() {
     assert!(report.pieces.len() >= 2);
     assert!(harness.state().project.is_changed());
     let triangles = harness.state().triangles();
+    // What is not saved survives the end of the program, with the stem that has no file.
+    eframe::App::on_exit(harness.state_mut());
+    let kept = folder.0.join("config/unsaved.greenstick.toml");
+    let mut recovered = studio(&folder, Some(kept.to_str().unwrap()));
+    settle(&mut recovered);
+    assert_eq!(errors(&recovered), 0, "{:?}", recovered.state().messages());
+    assert_eq!(recovered.state().triangles(), triangles);
+    assert!(recovered.state().project.is_changed());
     let project = folder.0.join("torn.greenstick.toml");
     harness.state_mut().save_as(project.to_str().unwrap());
     assert!(!harness.state().project.is_changed());
@@ -116,7 +124,10 @@ fn a_simulation_is_stopped_and_left_and_the_window_stays_awake() {
     // What was recorded stays to be looked at.
     let simulation = harness.state().simulation().unwrap();
     assert!(simulation.outcome.is_none() && simulation.drawn.is_some());
-    assert_eq!(simulation.source, Source::BuiltIn("three-blocks".to_owned()));
+    assert_eq!(
+        simulation.source,
+        Source::BuiltIn("three-blocks".to_owned())
+    );
     harness.get_by_label("Back to the break").click();
     settle(&mut harness);
     assert!(harness.state().simulation().is_none());
