@@ -201,14 +201,15 @@ fn files_of_page(path: &Path) -> Vec<Documented> {
     blocks.enumerate().map(documented).collect()
 }
 
-/// What is wrong with a recipe, a scene or a sweep; only scenes have rods, and only sweeps have keys that vary.
+/// What is wrong with a recipe, a scene or a sweep; only scenes have rods, and only sweeps have keys that vary. The trees of a
+/// forest are looked for where it is read: a tree of the test data stands for them.
 fn file_fault(text: &str) -> Option<String> {
     if text.contains("\n[rods]") {
         Scene::read(text).err().map(|e| e.to_string())
     } else if text.contains("\n[vary]") {
-        Sweep::read(text, Path::new(""))
-            .err()
-            .map(|e| e.to_string())
+        let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
+        let text = text.replace("\"forest.glb\"", "\"kaykit_Tree_Bare_1_C_Color1.obj\"");
+        Sweep::read(&text, &data).err().map(|e| e.to_string())
     } else {
         let file = RequestFile::resolve(&[], Some(text), &[]);
         file.err().map(|e| e.to_string())

@@ -253,7 +253,7 @@ fn units_scale_and_parts_move() {
     assert_eq!(folder.quick(&["-o", "m.stl"]).code, 0);
     let volume = |unit: &str, part: &str| {
         let run = folder.quick(&[
-            "m.stl", "--unit", unit, "--part", part, "--at", "0.3", "-o", "out.ply", "--json",
+            "m.stl", "--unit", unit, "--part", part, "--at", "0.15", "-o", "out.ply", "--json",
         ]);
         assert_eq!(run.code, 0, "{}", run.err);
         json(&run.out)["input"]["area_m2"].as_f64().unwrap()

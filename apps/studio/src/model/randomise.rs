@@ -73,7 +73,7 @@ mod tests {
             randomise(&mut file, &locked, seed);
             file.check().unwrap();
             let face = &file.common.recipe.face;
-            assert_eq!((face.inclination, face.seed, face.rings), (0.0, 1, 40));
+            assert_eq!((face.inclination, face.seed, face.rings), (0.0, 1, 50));
             assert_ne!(face.slab_height, 0.8);
         }
     }

@@ -207,7 +207,7 @@ fn the_sides_of_a_board_show_the_rings_that_end_there() {
         for k in 4..count - 4 {
             let (here, next) = (ring(k), ring(k + 1));
             // Rings that are a few texels wide are a blur.
-            if here.ring == next.ring || here.width * stem.rings.outer_radius(0.0) < 8.0 * texel {
+            if here.ring == next.ring || here.width * stem.rings.outer_radius(0.0) < 9.0 * texel {
                 continue;
             }
             // Seen from the pith, dark latewood ends where light earlywood begins.

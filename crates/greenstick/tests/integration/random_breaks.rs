@@ -251,7 +251,8 @@ fn twisted_breaks_of_random_stems_are_closed_and_do_not_cross() {
         };
         let mesh = primitive::branch(&options);
         let volume = mesh.volume();
-        let broken = break_scene(scene(mesh, 1.0), &request, &Context::quiet()).unwrap();
+        let broken = break_scene(scene(mesh, 1.0), &request, &Context::quiet())
+            .unwrap_or_else(|error| panic!("stem {stem}, {options:?} at {place}: {error}"));
         let mut sum = 0.0;
         for node in &broken.scene.nodes[..2] {
             let report = node.mesh.check_with(QUICK);

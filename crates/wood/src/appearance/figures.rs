@@ -4,7 +4,7 @@
 use super::mix::{mix_scalar, visible_detail};
 use super::noises::{HEARTWOOD_NOISE, STREAK_NOISES};
 use super::wood::WoodAppearance;
-use crate::noise::{Noises, gradient_3d, hash, smoothstep, unit};
+use crate::noise::{Noises, hash, smoothstep, unit};
 use crate::rings::{RingSource, StemAddress, latewood_strength, periodic_cells};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -44,8 +44,6 @@ const STREAKS: [StreakSize; STREAK_NOISES] = [
 ];
 /// How far fibres wave to the sides, and the length of a wave along them, m: no grain is as straight as a ruler.
 const WAVES: [(f64, f64); 2] = [(0.25e-3, 75e-3), (0.02e-3, 17e-3)];
-/// How far rings undulate, and the length and width of a swell, m.
-const UNDULATION: (f64, f64, f64) = (2.2e-3, 0.16, 0.045);
 /// Width of a ray and the distance between rays around the stem, m.
 const RAY_WIDTH: f64 = 0.12e-3;
 const RAY_DISTANCE: f64 = 1.1e-3;
@@ -67,7 +65,6 @@ const HEARTWOOD: u64 = 0x48;
 const VESSEL: u64 = 0x56;
 const RAYS: u64 = 0x59;
 const WAVE: u64 = 0x57;
-const UNDULATE: u64 = 0x55;
 
 /// Streaks of fibres at a point.
 pub(super) struct Streaks {
@@ -147,8 +144,7 @@ impl WoodAppearance {
         at: &StemAddress,
         footprint: f64,
     ) -> Latewood {
-        let leaning = self.leaning(at);
-        let Some(position) = rings.ring_at(&leaning) else {
+        let Some(position) = rings.ring_at(at) else {
             return Latewood::default();
         };
         let fraction = position.fraction;
@@ -179,27 +175,6 @@ impl WoodAppearance {
             } else {
                 1.0
             },
-        }
-    }
-
-    /// The address whose ring a point shows where rings lean and undulate along the grain.
-    fn leaning(&self, at: &StemAddress) -> StemAddress {
-        if self.ring_lean == 0.0 {
-            return *at;
-        }
-        let place = DVec3::new(at.across.x, at.across.y, at.along);
-        let (long, period) = periodic_cells(UNDULATION.1, self.period);
-        let scale = DVec3::new(1.0 / UNDULATION.2, 1.0 / UNDULATION.2, 1.0 / long);
-        let wave = gradient_3d(self.seed ^ UNDULATE, place * scale, period).0;
-        // What tiles cannot lean.
-        let lean = if period > 0 {
-            0.0
-        } else {
-            self.ring_lean * at.along
-        };
-        StemAddress {
-            rho: (at.rho + (UNDULATION.0 * wave - lean) / self.radius).max(0.0),
-            ..*at
         }
     }
 

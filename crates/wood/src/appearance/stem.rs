@@ -37,8 +37,6 @@ const RING_WIDTH: f64 = 2.2e-3;
 const RING_COUNT: (f64, f64) = (5.0, 60.0);
 /// Most rings about the pith of sawn wood, which may be far off, so that only some of them are in the wood.
 const SAWN_RING_COUNT: f64 = 250.0;
-/// How far the rings of sawn wood lean, m per m: the taper of a trunk.
-const SAWN_LEAN: f64 = 0.012;
 /// Radius above which bark is furrowed, m.
 const FURROWED_BARK_RADIUS: f64 = 0.06;
 /// How much darker the bottom of furrows is than the ridges, where the colour of the bark is given.
@@ -127,7 +125,6 @@ impl WoodAppearance {
         let most = if sawn { SAWN_RING_COUNT } else { RING_COUNT.1 };
         wood.rings = (wood.radius / RING_WIDTH).clamp(RING_COUNT.0, most);
         if sawn {
-            wood.ring_lean = SAWN_LEAN;
             (wood.pith, wood.heartwood, wood.phloem, wood.cork) = (0.0, 0.0, ABSENT, ABSENT);
         } else {
             wood.cork = match stem.kind.has_bark() {

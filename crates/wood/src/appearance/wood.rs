@@ -75,8 +75,6 @@ pub struct WoodAppearance {
     pub ring_porous: bool,
     /// Diameter of the vessels, m; 0 for softwoods, which have none.
     pub vessel_diameter: f64,
-    /// How far the rings lean towards the top of the tree, m per m: a stem tapers, and planed faces cut its cone.
-    pub ring_lean: f64,
     /// How much rays stand out, 0 to 1.
     pub ray_contrast: f64,
     /// Height of the rays along the grain, m.
@@ -137,7 +135,6 @@ impl WoodAppearance {
             latewood_width: 0.6,
             ring_porous: false,
             vessel_diameter: 0.0,
-            ring_lean: 0.0,
             ray_contrast: 0.25,
             ray_height: 0.4e-3,
             seed: 0,
