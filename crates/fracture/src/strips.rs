@@ -138,3 +138,37 @@ pub(crate) fn torn_outline(kind: f64, v: f64) -> f64 {
         (v - valley).abs() / (1.0 + valley.abs())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_angle_has_a_plate_and_plates_are_blunt_and_whole() {
+        let strips = Strips::new(&BreakParameters::default());
+        let (mut widths, mut jumps) = (vec![0.0; strips.plates.len() - 1], 0);
+        const STEPS: i32 = 7200;
+        let step = TAU / f64::from(STEPS);
+        let at = |i: i32| {
+            let phi = step * f64::from(i);
+            let (strip, plate) = (strips.find(phi), strips.plate(phi));
+            (strip, plate, strips.edge((strip, plate), phi))
+        };
+        for i in -STEPS / 2..STEPS / 2 {
+            let ((strip, plate, height), (next_strip, next_plate, next)) = (at(i), at(i + 1));
+            assert_eq!(at(i + STEPS).1, plate, "a turn farther");
+            widths[plate] += step;
+            let steepness = (next - height).abs() / step;
+            if (strip, plate) == (next_strip, next_plate) {
+                assert!(steepness < 60.0, "{i}: {steepness}");
+            } else {
+                jumps += usize::from((next - height).abs() > 0.02);
+            }
+        }
+        for (plate, width) in widths.iter().enumerate() {
+            let true_width = strips.plates[plate + 1] - strips.plates[plate];
+            assert!((width - true_width).abs() < 2.0 * step, "{plate}");
+        }
+        assert!(jumps > strips.count(), "{jumps}");
+    }
+}

@@ -198,6 +198,51 @@ impl DuctileZone {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec2;
+
+    #[test]
+    fn the_depth_in_a_fan_is_the_distance_from_its_border() {
+        let place = |angle: f64, rho: f64| rho * DVec2::from_angle(angle.to_radians());
+        for n in 0..40u32 {
+            let unit = |what: i64| greenstick_wood::noise::unit(7, i64::from(n), what, 0);
+            let fan = Sector {
+                direction: 720.0 * unit(0) - 360.0,
+                angle: 350.0 * unit(1) + 5.0,
+                rings: 0.05 + 0.9 * unit(2),
+            };
+            // The two straight sides and the inner arc, by points.
+            let inner = 1.0 - fan.rings;
+            let along = (0..=400).map(|i| f64::from(i) / 400.0);
+            let border: Vec<DVec2> = along
+                .flat_map(|t| {
+                    let [a, b] = [-0.5, 0.5].map(|side| fan.direction + side * fan.angle);
+                    let rho = inner + t * fan.rings;
+                    [place(a, rho), place(b, rho), place(a + t * (b - a), inner)]
+                })
+                .collect();
+            for i in 0..60 {
+                let (angle, rho) = (360.0 * unit(10 + i), unit(100 + i));
+                let depth = fan.depth(angle, rho);
+                if depth.abs() < 1e-9 {
+                    continue;
+                }
+                assert_eq!(
+                    depth > 0.0,
+                    fan.contains(angle, rho),
+                    "{fan:?} {angle} {rho}"
+                );
+                let at = place(angle, rho);
+                let nearest = border.iter().fold(1.0, |d: f64, b| d.min(b.distance(at)));
+                // A straight side ends at the inner arc, which is nearer there; beyond a right angle the pith is.
+                if depth > 0.0 {
+                    assert!(
+                        (depth - nearest).abs() < 0.01,
+                        "{fan:?} {angle} {rho}: {depth} {nearest}"
+                    );
+                }
+            }
+        }
+    }
 
     #[test]
     fn a_fan_about_zero_keeps_both_halves() {
