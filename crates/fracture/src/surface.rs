@@ -100,15 +100,6 @@ impl FractureSurface {
         range(self.heights.iter())
     }
 
-    /// Returns the same surface, `by` m farther along the axis.
-    pub fn shifted(&self, by: f64) -> Self {
-        let heights = self.heights.iter().map(|h| h.map(|s| s + by));
-        FractureSurface {
-            layout: self.layout.clone(),
-            heights: heights.collect(),
-        }
-    }
-
     /// Returns the heights of `facet` at the ends of its side `side`, in the order of the edge's nodes.
     pub fn side_heights(&self, facet: u32, side: u8) -> [f64; 2] {
         let (f, k) = (facet as usize, usize::from(side));

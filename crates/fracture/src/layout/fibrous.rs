@@ -31,8 +31,8 @@ struct RingBand {
 
 /// Lays out a section in fibre bundles of about equal area, shifted like bricks.
 ///
-/// They are as irregular as the section allows: where a facet would fold over, the layout is made again with half the
-/// irregularity.
+/// They are as uneven as the section allows: where a facet would fold over, the boundaries beside it get half the unevenness and
+/// chords of half the length, and the layout is made again.
 ///
 /// # Examples
 /// ```
@@ -58,23 +58,40 @@ struct RingBand {
 /// # Ok::<(), greenstick_wood::stem::StemError>(())
 /// ```
 pub fn fibrous(field: &RingField, options: &LayoutOptions) -> FibreBundles {
-    let mut irregular = 1.0;
+    let bands = bands(options);
+    let mut fineness = vec![1.0; bands.len() + 1];
     loop {
-        let made = fibrous_with(field, options, irregular);
-        let sound = made
-            .layout
-            .facets
-            .iter()
-            .all(|f| area(*f, &made.layout.nodes) > 0.0);
-        if sound || irregular < 0.05 {
+        let made = fibrous_with(field, options, &bands, &fineness);
+        let layout = &made.layout;
+        let folded = (layout.facets.iter().zip(&layout.cells))
+            .filter(|(facet, _)| area(**facet, &layout.nodes) <= 0.0)
+            .map(|(_, &cell)| made.bundles[cell as usize].ring as usize);
+        let mut again = false;
+        let before = fineness.clone();
+        for band in folded {
+            for boundary in [band, band + 1] {
+                if before[boundary] > MIN_FINENESS {
+                    fineness[boundary] = 0.5 * before[boundary];
+                    again = true;
+                }
+            }
+        }
+        if !again {
             return made;
         }
-        irregular *= 0.5;
     }
 }
 
-fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> FibreBundles {
-    let bands = bands(options, irregular);
+/// How far a boundary is made finer and more even where facets fold over: chords of a thirty-second follow any outline that wood has.
+const MIN_FINENESS: f64 = 1.0 / 32.0;
+
+/// Lays out a section; `fineness` has for each boundary the factor of its unevenness and of the length of its chords.
+fn fibrous_with(
+    field: &RingField,
+    options: &LayoutOptions,
+    bands: &[RingBand],
+    fineness: &[f64],
+) -> FibreBundles {
     let mut builder = NodeBuilder {
         field,
         nodes: Vec::new(),
@@ -94,16 +111,12 @@ fn fibrous_with(field: &RingField, options: &LayoutOptions, irregular: f64) -> F
             ends: [Vec::new(), vec![0]],
         }
     } else {
-        boundary(&mut builder, options, None, Some(&bands[0]), (0, irregular))
+        let first = (0, fineness[0]);
+        boundary(&mut builder, options, None, Some(&bands[0]), first)
     };
     for (i, band) in bands.iter().enumerate() {
-        let outer = boundary(
-            &mut builder,
-            options,
-            Some(band),
-            bands.get(i + 1),
-            (i + 1, irregular),
-        );
+        let number = (i + 1, fineness[i + 1]);
+        let outer = boundary(&mut builder, options, Some(band), bands.get(i + 1), number);
         fill_band(&mut builder, &mut build, band, i, &inner, &outer, around);
         inner = outer;
     }
@@ -129,7 +142,7 @@ struct LayoutBuilder {
 /// Least number of bundles in a ring around the pith.
 const MIN_BUNDLES: usize = 5;
 
-fn bands(options: &LayoutOptions, irregular: f64) -> Vec<RingBand> {
+fn bands(options: &LayoutOptions) -> Vec<RingBand> {
     let around = options.arc.is_none();
     let start = if around {
         0.0
@@ -146,7 +159,7 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<RingBand> {
     let mut bounds = vec![start];
     for i in 0..rings {
         let random = noise::unit(options.seed ^ purpose::RING, i as i64, 0, 0) - 0.5;
-        let width = 1.0 + 0.9 * irregular * random;
+        let width = 1.0 + 0.9 * random;
         bounds.push(bounds[i] + width);
     }
     let total = bounds[rings] - start;
@@ -182,7 +195,7 @@ fn bands(options: &LayoutOptions, irregular: f64) -> Vec<RingBand> {
             };
             RingBand {
                 between,
-                walls: walls(options, i, count, (low, high), irregular),
+                walls: walls(options, i, count, (low, high), 0.5 * thickness / middle),
                 at_ring: at_rings.get(i + 1) == Some(&true),
                 bark,
             }
@@ -234,13 +247,13 @@ fn snap_to_rings(bounds: &mut [f64], ring_edges: &[f64]) -> Vec<bool> {
     snapped
 }
 
-/// Returns the angles of a band's walls, shifted at random and slightly slanted.
+/// Returns the angles of a band's walls, shifted at random and slightly slanted, by up to `steepest`, rad.
 fn walls(
     options: &LayoutOptions,
     band: usize,
     count: usize,
     (low, high): (f64, f64),
-    irregular: f64,
+    steepest: f64,
 ) -> Vec<(f64, f64)> {
     let around = options.arc.is_none();
     let step = (high - low) / count as f64;
@@ -260,8 +273,9 @@ fn walls(
             if !around && (j == 0 || j == count) {
                 return (place, place);
             }
-            let angle = place + 0.7 * irregular * step * random(purpose::WALL, j);
-            let slant = 0.16 * irregular * step * random(purpose::TILT, j);
+            let angle = place + 0.7 * step * random(purpose::WALL, j);
+            let slant = 0.16 * step * random(purpose::TILT, j);
+            let slant = slant.clamp(-steepest, steepest);
             (angle - slant, angle + slant)
         })
         .collect()
@@ -332,7 +346,7 @@ fn boundary(
     options: &LayoutOptions,
     inside: Option<&RingBand>,
     outside: Option<&RingBand>,
-    (number, irregular): (usize, f64),
+    (number, fineness): (usize, f64),
 ) -> Boundary {
     let rho = inside.map_or_else(|| outside.map_or(0.0, |b| b.between.0), |b| b.between.1);
     let around = options.arc.is_none();
@@ -344,7 +358,7 @@ fn boundary(
         .fold(f64::INFINITY, f64::min);
     // Chords must not sag by more than a fraction of the thinner band.
     let max_step = if rho > 0.0 {
-        2.0 * (0.5 * thinner / rho).min(0.5).sqrt()
+        2.0 * fineness * (0.5 * thinner / rho).min(0.5).sqrt()
     } else {
         1.0
     };
@@ -359,7 +373,7 @@ fn boundary(
             UNEVENNESS
         };
         unevenness
-            * irregular
+            * fineness
             * thinner
             * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5)
     };

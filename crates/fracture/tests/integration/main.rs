@@ -2,3 +2,4 @@
 
 mod cracks;
 mod cut;
+mod layout;

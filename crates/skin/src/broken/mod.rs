@@ -13,7 +13,7 @@ pub use spiral::SpiralRepair;
 
 use crate::error::BreakError;
 use crate::prepared::PreparedStem;
-use greenstick_fracture::cut::{Cut, CutError, CutWorkspace, FacetGrid, Skin, cut_again};
+use greenstick_fracture::cut::{Cut, CutWorkspace, FacetGrid, Skin, cut_again};
 use greenstick_fracture::heights::{self, BreakSite, HeightCache, HeightSource, Heights};
 use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
@@ -155,11 +155,6 @@ pub struct Cutter<'a> {
     pub absorb_chips: bool,
 }
 
-/// How far a surface is shifted along the stem, radii, one after the other, where it cannot be cut along: an outline that meets itself
-/// where edges all but coincide is a simple one a little farther on. The last is a fiftieth of the radius, which is less than an
-/// error where there could be a break.
-const RETRY_SHIFTS: [f64; 5] = [2e-6, -1e-4, 2e-3, -6e-3, 0.02];
-
 impl Cutter<'_> {
     /// Cuts the stem along `surface`, and splits the broken face at the levels of the grain. Returns the cut, and how many
     /// chips changed sides.
@@ -172,16 +167,7 @@ impl Cutter<'_> {
         workspace: &mut CutWorkspace,
     ) -> Result<(Cut, usize), BreakError> {
         let solid = self.stem.solid();
-        let radius = self.stem.found.stem.radius;
-        let mut along = |surface: &FractureSurface| {
-            cut_again(&solid, self.skin, self.facet_grid, surface, workspace)
-        };
-        let cut = along(surface).or_else(|error| {
-            let by_chance = matches!(error, CutError::Outline { .. } | CutError::Face { .. });
-            let shifts = RETRY_SHIFTS.iter().filter(|_| by_chance);
-            let mut others = shifts.map(|shift| along(&surface.shifted(shift * radius)));
-            others.find_map(Result::ok).ok_or(error)
-        });
+        let cut = cut_again(&solid, self.skin, self.facet_grid, surface, workspace);
         let mut cut = cut.map_err(|error| self.stem.locate(error))?;
         let chips = if self.absorb_chips {
             cut.absorb_chips(&solid, self.skin, self.facet_grid)
