@@ -207,15 +207,15 @@ fn the_sides_of_a_board_show_the_rings_that_end_there() {
         for k in 4..count - 4 {
             let (here, next) = (ring(k), ring(k + 1));
             // Rings that are a few texels wide are a blur.
-            if here.ring == next.ring || here.width * stem.rings.outer_radius(0.0) < 9.0 * texel {
+            if here.ring == next.ring || here.width * stem.rings.outer_radius(0.0) < 8.0 * texel {
                 continue;
             }
             // Seen from the pith, dark latewood ends where light earlywood begins.
             let sign = (next.ring - here.ring) as f64;
-            let rise = |k: usize| sign * (brightness(first + k + 2) - brightness(first + k - 1));
+            let rise = |k: usize| sign * (brightness(first + k + 2) - brightness(first + k));
             let steepest = (k - 4..=k + 4).max_by(|&a, &b| rise(a).total_cmp(&rise(b)));
             edges += 1;
-            missed += usize::from(steepest.unwrap().abs_diff(k) > 2 || rise(k) < 5.0);
+            missed += usize::from(steepest.unwrap().abs_diff(k) > 1 || rise(k) < 5.0);
         }
     }
     assert!(edges > 15, "{edges}");
