@@ -2,7 +2,7 @@
 
 use crate::support::scene;
 use glam::DVec3;
-use greenstick::geometry::{Context, Mesh, Scene};
+use greenstick::geometry::{Context, Material, Mesh, Scene};
 use greenstick::wood::primitive;
 use greenstick::wood::stem::StemKind;
 use greenstick::{BreakRequest, BreakSession, Broken};
@@ -51,6 +51,36 @@ fn a_dowel_and_a_pole_have_no_bark() {
         // The pith of a dowel lies beside it, that of a pole within.
         let pith = glam::DVec2::from(report.place.pith_m).length();
         assert_eq!(pith > 0.01, kind == Some(StemKind::Dowel), "{pith}");
+    }
+}
+
+#[test]
+fn a_material_that_says_nothing_gives_way_to_bark_and_others_stay() {
+    let plain = Material {
+        name: "tree".to_owned(),
+        base_color: [0.8, 0.8, 0.8, 1.0],
+        ..Material::default()
+    };
+    let brown = Material {
+        base_color: [0.4, 0.3, 0.2, 1.0],
+        ..plain.clone()
+    };
+    let two = vec![plain.clone(), plain.clone()];
+    for (materials_in, outside) in [
+        (vec![plain], "bark"),
+        (vec![brown], "tree"),
+        // Names of several tell parts apart.
+        (two, "tree"),
+    ] {
+        let mut rod = primitive::branch(&primitive::BranchOptions::default());
+        rod.materials = vec![0; rod.triangles.len()];
+        let mut input = scene(rod, 1.0);
+        input.materials = materials_in;
+        let (broken, _) = broken(&input, Some(StemKind::Round));
+        let notes = broken.report.input.repairs.iter();
+        let told = notes.filter(|n| n.contains("material \"tree\"")).count();
+        assert_eq!(told, usize::from(outside == "bark"));
+        assert_eq!(materials(&broken)[0], outside);
     }
 }
 

@@ -6,7 +6,8 @@ use crate::prepared::{PreparedStem, volume_scale};
 use crate::report::{BreakNote, BreakReport, FaceReport, FurtherBreak, InputReport, PlaceReport};
 use crate::stages::StemStage;
 use greenstick_fracture::parameters::SurfaceStyle;
-use greenstick_geometry::Scene;
+use greenstick_geometry::text::one_line;
+use greenstick_geometry::{Mesh, Scene};
 
 /// The scene that is broken, and what reports say of it.
 #[derive(Debug)]
@@ -20,9 +21,12 @@ pub struct BreakInput {
 }
 
 impl BreakInput {
-    /// Measures a scene. The strands on faces that were broken before are left out: they are no wood that could be broken.
+    /// Measures a scene. The strands on faces that were broken before are left out: they are no wood that could be broken. So is the
+    /// only material of a scene that says nothing of how its surface looks, as of an OBJ file without its MTL file: the surface is then
+    /// shown as that of wood.
     pub fn new(mut scene: Scene) -> Self {
         leave_out_details(&mut scene);
+        leave_out_blank_material(&mut scene);
         let triangles = scene.nodes.iter().map(|n| n.mesh.triangles.len()).sum();
         let area_m2 = scene
             .nodes
@@ -35,6 +39,45 @@ impl BreakInput {
             area_m2,
         }
     }
+}
+
+/// Removes the only material of a scene where it says nothing: no texture, no colour of vertices, and the grey or white that programs
+/// write for a material nobody has changed. Says so in the scene's notes.
+fn leave_out_blank_material(scene: &mut Scene) {
+    let [material] = &scene.materials[..] else {
+        return;
+    };
+    let textures = [
+        &material.base_color_texture,
+        &material.metallic_roughness_texture,
+        &material.normal_texture,
+        &material.occlusion_texture,
+        &material.emissive_texture,
+    ];
+    let is_default = [0.8f32, 1.0].iter().any(|&grey| {
+        let off = material.base_color[..3].iter().map(|c| (c - grey).abs());
+        off.fold(0.0, f32::max) < 1e-3
+    });
+    let colours = |mesh: &Mesh| mesh.attributes.keys().any(|name| name.starts_with("COLOR"));
+    if !is_default
+        || textures.iter().any(|t| t.is_some())
+        || material.alpha_mode != "OPAQUE"
+        || material.metallic > 0.0
+        || material.emissive != [0.0; 3]
+        || !material.extensions.is_empty()
+        || scene.nodes.iter().any(|n| colours(&n.mesh))
+    {
+        return;
+    }
+    let name = one_line(&material.name);
+    scene.notes.push(format!(
+        "The material \"{name}\" has the default colour and no texture: the surface is shown as that of wood."
+    ));
+    scene.materials.clear();
+    scene.change_meshes(
+        |mesh| !mesh.materials.is_empty(),
+        |mesh| mesh.materials.clear(),
+    );
 }
 
 /// Removes the nodes of a scene that only add to the looks of others, and says so in its notes.
