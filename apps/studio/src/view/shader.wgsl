@@ -479,19 +479,20 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     let width = wood.bark.x;
     let depth = wood.bark.y;
     let seed = wood.seed.y ^ 0xba7cu;
-    var sizes = array<f32, 3>(1.0, 0.47, 0.21);
-    var stretches = array<f32, 3>(5.0, 3.0, 2.6);
-    var shares = array<f32, 3>(1.0, 0.50, 0.20);
+    var sizes = array<f32, 4>(1.0, 0.47, 0.19, 1.3);
+    var stretches = array<f32, 4>(5.0, 6.0, 9.0, 0.6);
+    var shares = array<f32, 4>(1.0, 0.50, 0.22, 0.36);
+    var depths = array<f32, 4>(0.49, 0.335, 0.31, 0.096);
     // Shallow furrows are narrow.
     let openness = clamp(depth / width / 0.15, 0.35, 1.0);
-    var edges = array<f32, 3>(0.34 * openness, 0.20 * openness, 0.16 * openness);
+    var edges = array<f32, 4>(0.34 * openness, 0.22 * openness, 0.20 * openness, 0.06 * openness);
     var ridge = 1.0;
     var slope = vec3<f32>(0.0);
-    for (var i = 0; i < 3; i++) {
+    for (var i = 0; i < 4; i++) {
         let size = sizes[i] * width;
         // The slope of a furrow's side has to be seen, which is narrower than the ridge.
         let seen = visible(min(1.8 * edges[i], 1.0) * size, footprint);
-        var open = 0.74;
+        var open = 1.0 - depths[i] * openness;
         if (seen > 0.0) {
             let own = seed ^ (u32(i + 1) << 16u);
             let shift = noise(own ^ 1u, place * vec3<f32>(0.9, 0.9, 0.35) / size).w;
@@ -499,11 +500,17 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
             let scale = vec3<f32>(1.0, 1.0, 1.0 / stretches[i]) / size;
             let n = noise(own, moved * scale);
             let opening = noise(own ^ 2u, place * vec3<f32>(0.7, 0.7, 0.3) / size).w;
-            let edge = edges[i] * max(1.0 + 1.1 * opening, 0.12);
+            let widened = 1.0 + 1.1 * opening;
+            let edge = edges[i] * max(widened, 0.12);
             let x = min(abs(n.w) / edge, 1.0);
-            open = mix(0.74, x * x * (3.0 - 2.0 * x), seen);
+            // Furrows that narrow get shallower too, and end; the widest part all ridges.
+            var share = 1.0;
+            if (i > 0) {
+                share = smoothstep(0.12, 0.75, widened);
+            }
+            open = mix(open, 1.0 - share * (1.0 - x * x * (3.0 - 2.0 * x)), seen);
             if (x < 1.0) {
-                slope += n.xyz * scale * sign(n.w) / edge * (6.0 * x * (1.0 - x) * depth * shares[i] * seen);
+                slope += n.xyz * scale * sign(n.w) / edge * (share * 6.0 * x * (1.0 - x) * depth * shares[i] * seen);
             }
         }
         ridge *= 1.0 - shares[i] * (1.0 - open);

@@ -106,11 +106,13 @@ const fn furrow(size: f64, stretch: f64, share: f64, edge: f64) -> FigureSize {
     }
 }
 
-/// Furrows of three orders: wide ones between ridges, narrower ones that part the ridges, and cracks.
-const FURROWS: [FigureSize; 3] = [
+/// Furrows of three orders: wide ones between ridges, narrower ones that part the ridges, and cracks; last the cracks across ridges,
+/// between plates.
+const FURROWS: [FigureSize; 4] = [
     furrow(1.0, 5.0, 1.0, 0.34),
-    furrow(0.47, 3.0, 0.50, 0.20),
-    furrow(0.21, 2.6, 0.20, 0.16),
+    furrow(0.47, 6.0, 0.50, 0.22),
+    furrow(0.19, 9.0, 0.22, 0.20),
+    furrow(1.3, 0.6, 0.36, 0.06),
 ];
 /// Flakes, scales and dust between them.
 const FLAKES: [FigureSize; 4] = [
@@ -122,11 +124,13 @@ const FLAKES: [FigureSize; 4] = [
 /// How much the width of a furrow varies along it, and its least factor.
 const FURROW_EDGE_VARIATION: f64 = 1.1;
 const MIN_FURROW_EDGE: f64 = 0.12;
+/// Where a furrow narrows to less than this factor it gets shallower too, and ends: a line of even depth looks drawn.
+const FURROW_END: f64 = 0.75;
 /// Depth of furrows over the distance between them from which on they are as wide as furrows are, and the least factor on their width.
 const WIDE_FURROW_DEPTH: f64 = 0.15;
 const NARROWEST_FURROW: f64 = 0.35;
-/// Mean openness of furrows too fine to be seen.
-const MEAN_OPENNESS: f64 = 0.74;
+/// Mean share of their depth that furrows too fine to be seen take, by order, where they are as wide as furrows are.
+const MEAN_DEPTHS: [f64; FURROWS.len()] = [0.49, 0.335, 0.31, 0.096];
 /// Part of a flake's size that has to be seen: slopes of one pixel glitter.
 const FLAKE_DETAIL: f64 = 0.5;
 /// Share of dust on ridges, and of lichen in its patches, and the values of the noise between which their edges lie.
@@ -265,7 +269,15 @@ impl BarkAppearance {
             let widened = 1.0 + FURROW_EDGE_VARIATION * opening;
             let edge = half * widened.max(MIN_FURROW_EDGE);
             let x = (v.abs() / edge).min(1.0);
-            let open = mix_scalar(MEAN_OPENNESS, x * x * (3.0 - 2.0 * x), visible);
+            // The widest furrows part all ridges.
+            let share = if i == 0 {
+                1.0
+            } else {
+                smoothstep(MIN_FURROW_EDGE, FURROW_END, widened)
+            };
+            let profile = x * x * (3.0 - 2.0 * x);
+            let mean = 1.0 - MEAN_DEPTHS[i] * openness;
+            let open = mix_scalar(mean, 1.0 - share * (1.0 - profile), visible);
             ridge *= 1.0 - order.share * (1.0 - open);
             let depth = self.furrow_depth * order.share;
             height += depth * (open - 1.0);
@@ -276,13 +288,71 @@ impl BarkAppearance {
                     0.0
                 };
                 let x_slope = (g * v.signum() - opening_slope * (narrowing * x)) / edge;
-                slope += x_slope * (6.0 * x * (1.0 - x) * depth * visible);
+                let mut open_slope = x_slope * (share * 6.0 * x * (1.0 - x));
+                if i > 0 && share > 0.0 && share < 1.0 {
+                    let range = FURROW_END - MIN_FURROW_EDGE;
+                    let t = (widened - MIN_FURROW_EDGE) / range;
+                    let share_slope = 6.0 * t * (1.0 - t) * FURROW_EDGE_VARIATION / range;
+                    open_slope -= opening_slope * (share_slope * (1.0 - profile));
+                }
+                slope += open_slope * (depth * visible);
             }
         }
         Furrows {
             ridge,
             height,
             slope,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_of_bark_are_those_of_its_relief() {
+        let bark = BarkAppearance::furrowed(0.1);
+        let height = |p: DVec3| {
+            let furrows = bark.furrows(p, 1e-6, &mut Forgetful);
+            (furrows.height, furrows.slope)
+        };
+        let (mut greatest, mut off) = (0.0f64, 0.0f64);
+        for i in 0..400 {
+            let t = f64::from(i);
+            let (sine, cosine) = libm::sincos(0.7 * t);
+            let p = DVec3::new(0.1 * cosine, 0.1 * sine, 0.013 * t);
+            let h = 1e-7;
+            let difference =
+                |axis: DVec3| (height(p + axis * h).0 - height(p - axis * h).0) / (2.0 * h);
+            let by_differences = DVec3::new(
+                difference(DVec3::X),
+                difference(DVec3::Y),
+                difference(DVec3::Z),
+            );
+            greatest = greatest.max(by_differences.length());
+            off = off.max((height(p).1 - by_differences).length());
+        }
+        assert!(
+            greatest > 0.3 && off < 0.02 * greatest,
+            "{off} of {greatest}"
+        );
+    }
+
+    #[test]
+    fn furrows_too_fine_to_be_seen_are_as_dark_as_they_are_on_average() {
+        for bark in [BarkAppearance::furrowed(0.1), BarkAppearance::young(0.02)] {
+            let mean = |footprint: f64| {
+                let count = 20_000;
+                let height = |i: i64| {
+                    let u = |axis: i64| crate::noise::unit(9, i, axis, 0);
+                    let place = DVec3::new(u(0), u(1), u(2)) * 20.0;
+                    bark.furrows(place, footprint, &mut Forgetful).height
+                };
+                (0..count).map(height).sum::<f64>() / count as f64 / bark.furrow_depth
+            };
+            let (near, far) = (mean(1e-7), mean(1.0));
+            assert!((near - far).abs() < 0.03, "{near} {far}");
         }
     }
 }
