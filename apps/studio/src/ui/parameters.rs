@@ -3,6 +3,7 @@
 use super::actions::Action;
 use super::studio::Studio;
 use crate::model::breaks::PLACE;
+use crate::model::units::ShownUnit;
 use eframe::egui::{self, RichText, Slider, Ui};
 use greenstick::schema::{Kind, ParameterInfo, Scale, Value};
 use greenstick::wood::species::Species;
@@ -210,9 +211,12 @@ impl Studio {
                 return edit;
             }
         }
+        let unit = self.settings.unit;
         let other = match p.kind {
-            Kind::Number { min, max, .. } => number(ui, shown, (min, max), name),
-            Kind::Integer { min, max, .. } => number(ui, shown, (min as f64, max as f64), name),
+            Kind::Number { min, max, .. } => number(ui, shown, (min, max), (name, unit)),
+            Kind::Integer { min, max, .. } => {
+                number(ui, shown, (min as f64, max as f64), (name, unit))
+            }
             Kind::Flag => flag(ui, shown),
             Kind::Choice { options } => choice(ui, shown, options),
             Kind::Text { .. } | Kind::List { .. } => text(ui, shown, name),
@@ -354,22 +358,27 @@ fn first_value(p: &ParameterInfo) -> Value {
     }
 }
 
-/// The unit of a number and the factor from its value: lengths are shown in centimetres.
-fn display_unit(p: &ParameterInfo, max: f64) -> (&'static str, f64) {
+/// The unit of a number and the factor from its value: lengths are shown in the unit that was chosen.
+fn display_unit(p: &ParameterInfo, unit: ShownUnit) -> (&'static str, f64) {
     match p.unit() {
-        "m" if max <= 1000.0 => ("cm", 100.0),
+        "m" => (unit.symbol(), unit.per_metre()),
         other => (other, 1.0),
     }
 }
 
-fn number(ui: &mut Ui, p: &ParameterInfo, (min, max): (f64, f64), name: egui::Id) -> Option<Edit> {
+fn number(
+    ui: &mut Ui,
+    p: &ParameterInfo,
+    (min, max): (f64, f64),
+    (name, unit): (egui::Id, ShownUnit),
+) -> Option<Edit> {
     let whole = matches!(p.kind, Kind::Integer { .. });
     let before = match p.value {
         Value::Number(x) => x,
         Value::Integer(n) => n as f64,
         _ => return text(ui, p, name),
     };
-    let (unit, factor) = display_unit(p, max);
+    let (unit, factor) = display_unit(p, unit);
     let suffix = match unit {
         "" => String::new(),
         "°" | "%" => unit.to_owned(),

@@ -20,7 +20,8 @@ struct Card {
     queue: wgpu::Queue,
 }
 
-fn card(test: &str) -> Option<Card> {
+/// The adapter there is; without one, the test says that it did not run.
+pub fn adapter(test: &str) -> Option<(wgpu::Instance, wgpu::Adapter)> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter =
         pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
@@ -32,6 +33,11 @@ fn card(test: &str) -> Option<Card> {
         eprintln!("{test} did not run: there is no graphics adapter; install mesa-vulkan-drivers");
         return None;
     };
+    Some((instance, adapter))
+}
+
+fn card(test: &str) -> Option<Card> {
+    let (_, adapter) = adapter(test)?;
     let asked = adapter.request_device(&wgpu::DeviceDescriptor::default());
     let (device, queue) = pollster::block_on(asked).unwrap();
     Some(Card { device, queue })
@@ -43,6 +49,7 @@ fn shown(settings: &[&str]) -> Arc<DrawnScene> {
         input: Input::built_in(),
         file,
         haste: Haste::Whole,
+        sections_of: None,
     };
     let shown = Engine::default().work(&job, &mut |_| {}, &Context::quiet());
     Arc::new(shown.unwrap().unwrap().drawn)
