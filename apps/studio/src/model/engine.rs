@@ -345,7 +345,7 @@ impl Opened {
             self.sections = Some((key, made));
         }
         let made = self.sections.as_ref().map(|s| s.1.clone());
-        Ok(made.map(|made| made.map(|sections| SectionBook::new(sections, wood))))
+        Ok(made.map(|made| made.map(|sections| SectionBook::new(sections, number, wood))))
     }
 
     /// Keeps what the next change can be drawn in.

@@ -23,6 +23,8 @@ const OUTWARDS: f32 = 0.35;
 const DEPTHS: (f64, f64) = (0.01, 40.0);
 /// Cells of the map of heights along a side.
 const CELLS: usize = 40;
+/// Cells to every side over which heights are averaged.
+const REACH: i32 = 2;
 /// Points along a course.
 const POINTS: usize = 25;
 
@@ -205,13 +207,14 @@ impl CrackFace {
                 }
             }
         }
-        let mean = |(sum, count): (f32, u32)| if count == 0 { 0.0 } else { sum / count as f32 };
         Some(CrackFace {
             at,
             place,
             look,
             half,
-            heights: sums.into_iter().map(mean).collect(),
+            heights: (0..CELLS * CELLS)
+                .map(|i| height_around(&sums, i))
+                .collect(),
         })
     }
 
@@ -261,6 +264,27 @@ impl CrackFace {
         let across = along.cross(direction);
         let square = across.length_squared();
         (square > 1e-6).then(|| direction.cross(across).dot(origin - from) / square)
+    }
+}
+
+/// The mean height over a cell and those around it, so that lines over them are smooth; 0 where there is none.
+fn height_around(sums: &[(f32, u32)], cell: usize) -> f32 {
+    let (x, y) = ((cell % CELLS) as i32, (cell / CELLS) as i32);
+    let (mut total, mut count) = (0.0, 0);
+    for dy in -REACH..=REACH {
+        for dx in -REACH..=REACH {
+            let (x, y) = (x + dx, y + dy);
+            let inside = (0..CELLS as i32).contains(&x) && (0..CELLS as i32).contains(&y);
+            if let (true, Some((sum, n))) = (inside, sums.get((y * CELLS as i32 + x) as usize)) {
+                total += sum;
+                count += n;
+            }
+        }
+    }
+    if count == 0 {
+        0.0
+    } else {
+        total / count as f32
     }
 }
 

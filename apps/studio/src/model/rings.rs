@@ -84,6 +84,16 @@ impl Project {
         lists.into_iter().flatten().map(Vec::len).next()
     }
 
+    /// Rings, from 0, that stay while others are dragged; none where the request lists no rings.
+    pub fn pins(&self) -> BTreeSet<usize> {
+        let listed = self.listed_rings().unwrap_or(0);
+        self.pinned
+            .iter()
+            .copied()
+            .filter(|p| *p < listed)
+            .collect()
+    }
+
     /// Number of edges that can be dragged of rings with these outer edges.
     pub fn movable_edges(&self, edges: &[f64]) -> usize {
         let inner = edges.len().saturating_sub(1);
@@ -102,7 +112,7 @@ impl Project {
     ) -> Result<bool, String> {
         let listed = self.listed_rings().unwrap_or(edges.len()).min(edges.len());
         let several = self.break_count() > 1 || self.file.every.is_some();
-        let mut pinned = self.pinned.clone();
+        let mut pinned = self.pins();
         pinned.insert(number);
         let label = format!("ring {}", number + 1);
         let changed = self.change(&label, true, |file| {
@@ -220,7 +230,7 @@ mod tests {
         project.file.rings.annual_rings = Some(4);
         let start = project.file.clone();
         for to in [0.3, 0.35, 0.4] {
-            let edges = dragged(&[0.25, 0.5, 0.75, 1.0], 0, to, &project.pinned);
+            let edges = dragged(&[0.25, 0.5, 0.75, 1.0], 0, to, &project.pins());
             project.set_ring_edges(&edges, 0, |rho| 0.03 * rho).unwrap();
         }
         let radii = project.file.rings.series.ring_radii.clone().unwrap();

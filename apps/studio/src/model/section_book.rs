@@ -46,6 +46,8 @@ pub struct StemSection {
 /// The sections of a stem.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SectionBook {
+    /// The number of the break.
+    pub number: usize,
     /// Sections, rising in length.
     pub sections: Vec<StemSection>,
     /// Which of them is that of the break.
@@ -214,8 +216,8 @@ pub fn sections_of(
 }
 
 impl SectionBook {
-    /// The book of sections of a stem that was broken.
-    pub fn new(sections: Vec<StemSection>, wood: &BrokenWood) -> Self {
+    /// The book of sections of the stem of a break.
+    pub fn new(sections: Vec<StemSection>, number: usize, wood: &BrokenWood) -> Self {
         let (stem, rings) = (&wood.stem, &wood.appearance.rings);
         let off = |s: &StemSection| (s.length - stem.location).abs();
         let at_break = (0..sections.len())
@@ -240,6 +242,7 @@ impl SectionBook {
         let tissues = edges.iter().map(tissue).collect();
         let radius = |k| stem.rings.mean_radius(k as f64 / LEVELS as f64);
         SectionBook {
+            number,
             at_break,
             sawn: stem.kind.is_sawn(),
             edges,

@@ -48,6 +48,14 @@ impl ShownUnit {
         }
     }
 
+    /// The unit of the widths of rings, which are told in millimetres or inches.
+    pub fn of_rings(self) -> Self {
+        match self {
+            ShownUnit::Inch => ShownUnit::Inch,
+            _ => ShownUnit::Millimetre,
+        }
+    }
+
     /// A length (m) with three digits and the unit.
     pub fn text(self, metres: f64) -> String {
         let x = metres * self.per_metre();

@@ -202,6 +202,9 @@ impl Studio {
                 ui.weak("The stem is being cut…");
                 return;
             };
+            if self.sections_wanted() != Some(scene.book.number) && !self.is_busy() {
+                self.changed_view(false);
+            }
             self.height_row(ui, &scene);
             let size = (ui.available_height() - 3.0 * CHART - 60.0).max(160.0);
             let size = Vec2::new(ui.available_width(), size.min(ui.available_width()));
@@ -250,8 +253,8 @@ impl Studio {
         paint_wood(&painter, &lie, both, (&scene.look, &scene.edges), board);
         self.paint_section_cracks(&painter, scene, &lie);
         let over = self.drag_ring(ui, scene, (rect, lie), response);
-        for pin in &self.project.pinned {
-            if let Some(rho) = scene.edges.get(*pin) {
+        for pin in self.project.pins() {
+            if let Some(rho) = scene.edges.get(pin) {
                 let stroke = Stroke::new(1.0, ACCENT.gamma_multiply(0.6));
                 paint_ring(&painter, &lie, both, *rho, stroke);
                 paint_pin(&painter, lie.window(scene.rings.point(*rho, 0.0)));
@@ -356,7 +359,7 @@ impl Studio {
 
     fn drag_edge(&mut self, scene: &Scene, number: usize, before: &[f64], to: f64, ui: &Ui) {
         let (alone, now) = ui.input(|i| (i.modifiers.command, i.time));
-        let mut pins = self.project.pinned.clone();
+        let mut pins = self.project.pins();
         if alone {
             pins = BTreeSet::from_iter(0..before.len());
         }
@@ -439,7 +442,7 @@ impl Studio {
             if scene.edges.is_empty() {
                 ui.label("eroded: they are seen in the viewport");
             } else {
-                let mean = unit.text(wood / count.max(1) as f64);
+                let mean = unit.of_rings().text(wood / count.max(1) as f64);
                 ui.label(format!("{count}, {mean} wide on average"));
             }
             ui.end_row();
@@ -487,6 +490,7 @@ impl Studio {
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
         let bar = rect.width() / count as f32;
+        let pins = self.project.pins();
         for (ring, width) in widths.iter().enumerate() {
             let left = rect.left() + bar * ring as f32;
             let top = rect.bottom() - (rect.height() - 14.0) * (width / most) as f32;
@@ -495,7 +499,7 @@ impl Studio {
                 Pos2::new(left + gap, top),
                 Pos2::new(left + bar - gap, rect.bottom()),
             );
-            let color = if self.anatomy.over == Some(ring) || self.project.pinned.contains(&ring) {
+            let color = if self.anatomy.over == Some(ring) || pins.contains(&ring) {
                 ACCENT
             } else {
                 Color32::from_rgb(176, 132, 84)
@@ -504,7 +508,7 @@ impl Studio {
         }
         let text = format!(
             "ring widths, pith to bark; widest {}",
-            self.settings.unit.text(most)
+            self.settings.unit.of_rings().text(most)
         );
         let font = egui::FontId::proportional(10.5);
         let at = rect.left_top() + Vec2::new(4.0, 1.0);
@@ -517,7 +521,7 @@ impl Studio {
         );
         if let Some(pos) = response.hover_pos() {
             let ring = (((pos.x - rect.left()) / bar) as usize).min(count - 1);
-            let width = self.settings.unit.text(widths[ring]);
+            let width = self.settings.unit.of_rings().text(widths[ring]);
             response.on_hover_text(format!("ring {}: {width}", ring + 1));
         }
     }

@@ -61,8 +61,9 @@ impl Studio {
             ui.horizontal(|ui| {
                 let edit = egui::TextEdit::singleline(&mut self.search)
                     .hint_text("Search parameters")
-                    .desired_width(ui.available_width() - 110.0);
+                    .desired_width(ui.available_width() - 172.0);
                 ui.add(edit);
+                self.unit_choice(ui);
                 if ui
                     .button("Randomise")
                     .on_hover_text(Action::Randomise.about())
@@ -94,6 +95,24 @@ impl Studio {
                     }
                 });
         });
+    }
+
+    /// The unit in which lengths are shown.
+    fn unit_choice(&mut self, ui: &mut Ui) {
+        let before = self.settings.unit;
+        let combo = egui::ComboBox::from_id_salt("unit of length")
+            .selected_text(before.symbol())
+            .width(48.0);
+        let shown = combo.show_ui(ui, |ui| {
+            for unit in ShownUnit::ALL {
+                ui.selectable_value(&mut self.settings.unit, unit, unit.symbol());
+            }
+        });
+        let about = "The unit in which lengths are shown. Files keep metres.";
+        shown.response.on_hover_text(about);
+        if self.settings.unit != before {
+            self.apply_settings(&ui.ctx().clone());
+        }
     }
 
     fn is_listed(&self, p: &ParameterInfo) -> bool {

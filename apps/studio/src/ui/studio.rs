@@ -401,9 +401,7 @@ impl Studio {
         file.request.input = self.project.input.path.clone();
         file.stem = self.project.input.made.clone();
         file.studio.photograph = self.project.photograph.clone();
-        if self.project.listed_rings().is_some() {
-            file.studio.rings = SavedRings::new(&self.project.pinned);
-        }
+        file.studio.rings = SavedRings::new(&self.project.pins());
         if let (Some((_, drawn)), Some(_)) = (&self.drawn, &self.project.photograph.file) {
             file.studio.view = SavedView::new(&self.camera, drawn.middle);
         }

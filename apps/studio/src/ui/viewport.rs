@@ -55,7 +55,7 @@ impl Studio {
             let moving = self.drag_photograph(ui, rect, &response)
                 || self.drag_section(ui, rect, &response)
                 || self.drag_crack(ui, rect, &response)
-                || self.drag_handle(ui, rect, &response)
+                || (!self.cracks.on && self.drag_handle(ui, rect, &response))
                 || self.navigate(ui, rect, &response);
             self.paint(ui, rect, moving);
             self.paint_photograph(ui, rect);
@@ -130,6 +130,7 @@ impl Studio {
         }
         ui.separator();
         let before = self.view.apart;
+        ui.spacing_mut().slider_width = 64.0;
         let slider = egui::Slider::new(&mut self.view.apart, 0.0..=8.0)
             .suffix(" ×")
             .fixed_decimals(1)

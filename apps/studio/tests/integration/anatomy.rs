@@ -79,7 +79,7 @@ fn the_height_is_dragged_on_the_stem_and_in_the_panel() {
     harness.run_steps(3);
     let dot = harness.state().section_dot_at().unwrap();
     let mut moved = Vec::new();
-    for by in [vec2(0.0, -50.0), vec2(0.0, 50.0), vec2(50.0, 0.0)] {
+    for by in [vec2(0.0, -150.0), vec2(0.0, 250.0), vec2(50.0, 0.0)] {
         let dot = harness.state().section_dot_at().unwrap_or(dot);
         drag(&mut harness, dot, dot + by);
         moved.push(length(&harness));

@@ -2,8 +2,9 @@
 //! without one the tests say that they did not run, and `.ci/run`, which sets GREENSTICK_NEEDS_ADAPTER, fails.
 //!
 //! `GREENSTICK_UPDATE_SNAPSHOTS=1 cargo test -p greenstick-studio --test integration snapshots` draws them anew: look at what changed.
+//! GREENSTICK_WHOLE_SNAPSHOTS names a folder for the same pictures in their full size, as the documentation has them.
 
-use crate::common::{Folder, settle, studio_on};
+use crate::common::{Folder, drag, settle, studio_on};
 use crate::picture::adapter;
 use crate::simulation::{TORN, scene};
 use eframe::egui::{self, Key, Modifiers, TexturesDelta};
@@ -12,6 +13,7 @@ use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, TestRenderer};
 use greenstick::formats::photograph::{Photograph, read_photograph};
 use greenstick::wood::colour::RgbImage;
+use greenstick_studio::model::photograph::reduced;
 use greenstick_studio::ui::studio::Studio;
 use std::path::Path;
 use std::sync::Arc;
@@ -63,7 +65,7 @@ fn card(test: &str) -> Option<RenderState> {
     })
 }
 
-/// Draws the window and reads it back, each block of pixels as their mean.
+/// Draws the window and reads it back.
 fn draw(harness: &Harness<'static, Studio>, state: &RenderState) -> Photograph {
     let (device, queue) = (&state.device, &state.queue);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
@@ -132,12 +134,20 @@ fn draw(harness: &Harness<'static, Studio>, state: &RenderState) -> Photograph {
         .0
         .iter()
         .flat_map(|p| [p[0], p[1], p[2]]);
-    let whole = Photograph {
+    Photograph {
         width: SIZE[0],
         height: SIZE[1],
         rgb: rgb.collect(),
+    }
+}
+
+fn png(picture: &Photograph) -> Vec<u8> {
+    let image = RgbImage {
+        width: picture.width,
+        height: picture.height,
+        rgb: picture.rgb.clone(),
     };
-    greenstick_studio::model::photograph::reduced(&whole, SIZE[0] / BLOCK)
+    image.png()
 }
 
 /// Compares the window with the snapshot of a name.
@@ -145,18 +155,17 @@ fn check(harness: &mut Harness<'static, Studio>, state: &RenderState, name: &str
     // Away from what would show a tooltip.
     harness.hover_at(egui::pos2(-10.0, -10.0));
     harness.run_steps(30);
-    let now = draw(harness, state);
+    let whole = draw(harness, state);
+    if let Some(folder) = std::env::var_os("GREENSTICK_WHOLE_SNAPSHOTS") {
+        let path = Path::new(&folder).join(format!("{name}.png"));
+        std::fs::write(path, png(&whole)).unwrap();
+    }
+    let now = reduced(&whole, SIZE[0] / BLOCK);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/snapshots");
     let path = folder.join(format!("{name}.png"));
-    let png = RgbImage {
-        width: now.width,
-        height: now.height,
-        rgb: now.rgb.clone(),
-    }
-    .png();
     if std::env::var_os("GREENSTICK_UPDATE_SNAPSHOTS").is_some() {
         std::fs::create_dir_all(&folder).unwrap();
-        std::fs::write(&path, png).unwrap();
+        std::fs::write(&path, png(&now)).unwrap();
         return;
     }
     let known = std::fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
@@ -182,7 +191,7 @@ fn check(harness: &mut Harness<'static, Studio>, state: &RenderState, name: &str
     );
     if mean > MEAN || others > OTHERS {
         let seen = std::env::temp_dir().join(format!("greenstick-{name}.png"));
-        std::fs::write(&seen, png).unwrap();
+        std::fs::write(&seen, png(&now)).unwrap();
         panic!(
             "{name}: off by {mean:.2} on average, {:.2} % of the pixels are others; what was drawn is {}",
             100.0 * others,
@@ -215,6 +224,55 @@ fn the_built_in_branch_an_open_chapter_and_the_rings_look_as_they_did() {
     harness.key_press(Key::S);
     settle(&mut harness);
     check(&mut harness, &state, "rings");
+}
+
+#[test]
+fn placed_cracks_and_a_dragged_ring_look_as_they_did() {
+    let Some(state) = card("placed_cracks_and_a_dragged_ring_look_as_they_did") else {
+        return;
+    };
+    let folder = Folder::new();
+    let mut harness = window(&folder, None, &state);
+    harness.get_by_label("brash").click();
+    settle(&mut harness);
+    harness.key_press(Key::S);
+    settle(&mut harness);
+    let from = harness.state().ring_at(4, 0.0).unwrap();
+    let to = harness.state().ring_at(5, 0.0).unwrap();
+    drag(&mut harness, from, from + (to - from) * 0.6);
+    check(&mut harness, &state, "dragged");
+    harness.key_press(Key::S);
+    harness.run_steps(5);
+    // From above, and nearer.
+    let corner = egui::pos2(640.0, 600.0);
+    drag(&mut harness, corner, corner + egui::vec2(0.0, 70.0));
+    let face = harness.state_mut().face_place_at(0.0, 0.0).unwrap();
+    harness.hover_at(face);
+    for _ in 0..11 {
+        harness.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: egui::vec2(0.0, 1.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+            modifiers: Modifiers::NONE,
+        });
+        harness.step();
+    }
+    harness.key_press(Key::K);
+    harness.run_steps(2);
+    for (from, to) in [
+        ((0.15, 0.7), (0.75, 0.7)),
+        ((0.3, 2.7), (1.0, 2.7)),
+        ((0.62, -2.2), (0.62, -0.9)),
+    ] {
+        let place = |harness: &mut Harness<'static, Studio>, (rho, angle)| {
+            harness.state_mut().face_place_at(rho, angle).unwrap()
+        };
+        let (from, to) = (place(&mut harness, from), place(&mut harness, to));
+        drag(&mut harness, from, to);
+    }
+    assert_eq!(harness.state().project.placed_cracks().len(), 3);
+    check(&mut harness, &state, "cracks");
 }
 
 #[test]
