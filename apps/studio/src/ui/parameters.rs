@@ -379,9 +379,9 @@ fn first_value(p: &ParameterInfo) -> Value {
 
 /// The unit of a number and the factor from its value: lengths are shown in the unit that was chosen.
 fn display_unit(p: &ParameterInfo, unit: ShownUnit) -> (&'static str, f64) {
-    match p.unit() {
-        "m" => (unit.symbol(), unit.per_metre()),
-        other => (other, 1.0),
+    match ShownUnit::from_symbol(p.unit()) {
+        Some(own) => (unit.symbol(), unit.per_metre() / own.per_metre()),
+        None => (p.unit(), 1.0),
     }
 }
 

@@ -280,9 +280,9 @@ fn lengths_are_shown_in_the_unit_that_was_chosen() {
     };
     assert!(shown(&harness).contains("cm"), "{}", shown(&harness));
     harness.get_by_value("cm").click();
-    harness.run_steps(3);
+    harness.run_steps(20);
     harness.get_by_label("in").click();
-    harness.run_steps(3);
+    harness.run_steps(20);
     assert!(shown(&harness).starts_with("0.394"), "{}", shown(&harness));
     // The request is what it was, and another start shows the same unit.
     assert_eq!(harness.state().project.file, RequestFile::default());
