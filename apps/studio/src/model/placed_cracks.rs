@@ -192,7 +192,7 @@ impl CrackFace {
         let place = scene.break_place(number);
         let piece = scene.piece_below(number)?;
         let half = 1.5 * at.radius;
-        let mut sums = vec![(0.0f32, 0u32); CELLS * CELLS];
+        let mut highest = vec![(0.0f32, 0u32); CELLS * CELLS];
         let wood = |b: &&super::meshes::Batch| b.shading == Shading::Wood(number);
         for batch in scene.batches.iter().filter(wood) {
             let (first, last) = (batch.first as usize, (batch.first + batch.count) as usize);
@@ -202,8 +202,15 @@ impl CrackFace {
                     continue;
                 }
                 if let Some(cell) = cell(Vec2::new(v.grain[0], v.grain[1]), half) {
-                    sums[cell].0 += v.grain[2] - at.length;
-                    sums[cell].1 += 1;
+                    // The highest point: the walls of a crack lie below its rim.
+                    let height = v.grain[2] - at.length;
+                    let (known, count) = &mut highest[cell];
+                    *known = if *count == 0 {
+                        height
+                    } else {
+                        known.max(height)
+                    };
+                    *count = 1;
                 }
             }
         }
@@ -213,7 +220,7 @@ impl CrackFace {
             look,
             half,
             heights: (0..CELLS * CELLS)
-                .map(|i| height_around(&sums, i))
+                .map(|i| height_around(&highest, i))
                 .collect(),
         })
     }
