@@ -54,7 +54,7 @@ impl Studio {
         let (id, drawn) = self.drawn.clone()?;
         let number = self.project.selected().unwrap_or(0);
         let known = self.cracks.face.as_ref();
-        if !known.is_some_and(|f| (f.0, f.1) == (id, number)) {
+        if known.is_none_or(|f| (f.0, f.1) != (id, number)) {
             let face = CrackFace::new(&drawn, number).map(Arc::new);
             self.cracks.face = Some((id, number, face));
         }
