@@ -37,6 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                     input,
                     file,
                     haste: Haste::Whole,
+                    sections_of: None,
                 };
                 let start = Instant::now();
                 let mut drawn = f64::INFINITY;

@@ -31,6 +31,8 @@ pub enum Ask {
         request: String,
         /// How much of it is wanted.
         haste: Haste,
+        /// The number of the break of whose stem sections are wanted, if they are.
+        sections_of: Option<usize>,
     },
     /// What the files that come along are.
     Open {
@@ -137,9 +139,10 @@ impl Desk {
                 input,
                 request,
                 haste,
+                sections_of,
             } => {
                 let draw = &mut |drawn| early(Answer::Drawn(number, Box::new(drawn)));
-                let shown = self.show(input, (&request, haste), draw, context);
+                let shown = self.show(input, (&request, haste, sections_of), draw, context);
                 Answer::Shown(number, shown.map(|s| s.map(Box::new)))
             }
             Ask::Open { unit } => {
@@ -160,7 +163,7 @@ impl Desk {
     fn show(
         &mut self,
         input: u64,
-        (request, haste): (&str, Haste),
+        (request, haste, sections_of): (&str, Haste, Option<usize>),
         early: Early,
         context: &Context,
     ) -> Result<Option<Shown>, Failure> {
@@ -178,6 +181,7 @@ impl Desk {
             input,
             file: request_of(request)?,
             haste,
+            sections_of,
         };
         Ok(self.engine.work(&job, early, context)?)
     }

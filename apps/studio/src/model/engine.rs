@@ -3,10 +3,11 @@
 use super::early::Surroundings;
 use super::input::{Input, InputContent};
 use super::meshes::{DecodedImages, DrawnScene};
+use super::section_book::{SectionBook, StemSection, sections_of};
 use super::wire;
 use greenstick::geometry::{Context, Scene};
 use greenstick::scanning::{ScanParameters, ScannedReport, cloud_from_scene, scan_to_scene};
-use greenstick::wood::stem::{StemError, StemLocation};
+use greenstick::wood::stem::{StemError, StemLocation, StemOptions};
 use greenstick::{
     BreakReport, BreakRequest, BreakSession, BreakStage, Broken, Error, ErrorKind, RequestFile,
     break_scene,
@@ -29,6 +30,8 @@ pub struct Job {
     pub file: RequestFile,
     /// How much of an answer is wanted.
     pub haste: Haste,
+    /// The number of the break of whose stem sections are wanted, if they are.
+    pub sections_of: Option<usize>,
 }
 
 /// How much of an answer is wanted.
@@ -60,6 +63,8 @@ pub struct Shown {
     pub started_at: Option<BreakStage>,
     /// What was subtracted from the coordinates of a cloud, m.
     pub origin: [f64; 3],
+    /// The sections of the stem, or why there are none, where they were wanted.
+    pub sections: Option<Result<SectionBook, String>>,
 }
 
 /// The meshes of an input before anything is broken; none of a scan, whose bark is still to be laid.
@@ -138,7 +143,12 @@ struct Opened {
     /// What the last finished answer draws around a face.
     around: Option<Surroundings>,
     decoded: DecodedImages,
+    /// The sections of a stem, by what it was found by.
+    sections: Option<(SectionsKey, Result<Vec<StemSection>, String>)>,
 }
+
+/// What decides which stem sections are of.
+type SectionsKey = (StemLocation, StemOptions);
 
 /// Does jobs, and keeps what the next one can use.
 #[derive(Debug, Default)]
@@ -246,6 +256,7 @@ impl Engine {
                 scan,
                 around: None,
                 decoded: DecodedImages::new(),
+                sections: None,
             });
         }
         let Some(opened) = &mut self.opened else {
@@ -265,12 +276,17 @@ impl Engine {
         let drawn = DrawnScene::new(&broken, &mut opened.decoded);
         let started_at = started.unwrap_or(opened.session.started_at());
         opened.remember(&request, &broken, &drawn, context)?;
+        let sections = match job.sections_of {
+            Some(number) => opened.sections(&request, number, &broken, context)?,
+            None => None,
+        };
         Ok(Some(Shown {
             drawn,
             report: broken.report,
             coarse,
             started_at,
             origin,
+            sections,
         }))
     }
 }
@@ -298,6 +314,38 @@ impl Opened {
         self.around = Some(around);
         early(drawn);
         Ok(Some(started_at))
+    }
+
+    /// The sections of the stem of a break, kept until another stem is broken.
+    fn sections(
+        &mut self,
+        request: &BreakRequest,
+        number: usize,
+        broken: &Broken,
+        context: &Context,
+    ) -> Result<Option<Result<SectionBook, String>>, Error> {
+        let (Some(one), Some(wood)) = (request.breaks.get(number), broken.woods.get(number)) else {
+            return Ok(None);
+        };
+        let key = (one.place, request.stem.clone());
+        if self.sections.as_ref().is_none_or(|s| s.0 != key) {
+            let single = BreakRequest {
+                breaks: vec![one.clone()],
+                every: None,
+                ..request.clone()
+            };
+            let silent = context.silenced();
+            let stage = self.session.fork().stem(&single, &silent)?;
+            let made = match sections_of(&stage.sound, &silent) {
+                Err(error) if Error::from(error.clone()).kind() == ErrorKind::Cancelled => {
+                    return Err(error.into());
+                }
+                made => made.map_err(|e| e.to_string()),
+            };
+            self.sections = Some((key, made));
+        }
+        let made = self.sections.as_ref().map(|s| s.1.clone());
+        Ok(made.map(|made| made.map(|sections| SectionBook::new(sections, number, wood))))
     }
 
     /// Keeps what the next change can be drawn in.

@@ -2,7 +2,7 @@
 
 use super::wire;
 use bytemuck::{Pod, Zeroable};
-use glam::DVec2;
+use glam::{DVec2, Vec2};
 use greenstick::session::BrokenWood;
 use greenstick::wood::appearance::BarkAppearance;
 use greenstick::wood::noise::unit;
@@ -155,6 +155,88 @@ impl WoodLook {
             field,
             years: years(edges, w.seed),
         }
+    }
+}
+
+/// A step from 0 to 1 between two edges, as shaders have it.
+fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+impl WoodLook {
+    /// Ring coordinate of a place of the section (grain coordinates, m), and its angle about the pith, rad.
+    pub fn address(&self, across: Vec2) -> (f32, f32) {
+        let square = self.numbers.square;
+        let last = self.field_side.max(1) as usize - 1;
+        let n = self.field_side as f32;
+        let from_pith = across - Vec2::new(self.numbers.middle[0], self.numbers.middle[1]);
+        let t = (from_pith - Vec2::new(square[0], square[1])) / square[2] * n - 0.5;
+        let low = t.floor();
+        let f = t - low;
+        let texel = |dx: i64, dy: i64| {
+            let at = |x: f32, d: i64| (x as i64 + d).clamp(0, last as i64) as usize;
+            self.field[at(low.y, dy) * (last + 1) + at(low.x, dx)][0]
+        };
+        let row = |dy| texel(0, dy) + (texel(1, dy) - texel(0, dy)) * f.x;
+        let rho = row(0) + (row(1) - row(0)) * f.y;
+        (rho, from_pith.y.atan2(from_pith.x))
+    }
+
+    /// The place of the section (grain coordinates, m) with a ring coordinate at an angle: the inverse of [`WoodLook::address`].
+    pub fn point(&self, rho: f32, angle: f32) -> Vec2 {
+        let pith = Vec2::new(self.numbers.middle[0], self.numbers.middle[1]);
+        let direction = Vec2::from_angle(angle);
+        let (mut low, mut high) = (0.0, 0.5 * self.numbers.square[2]);
+        for _ in 0..24 {
+            let middle = 0.5 * (low + high);
+            if self.address(pith + direction * middle).0 < rho {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        pith + direction * (0.5 * (low + high))
+    }
+
+    /// Ring coordinates at which tissues begin that follow no ring: the ends of the pith, of the wood and of the inner bark.
+    pub fn tissue_edges(&self) -> [f32; 3] {
+        let n = &self.numbers;
+        [n.edges[1], n.edges[3], n.rings[0]]
+    }
+
+    /// Part of a ring's width before its latewood.
+    pub fn earlywood(&self) -> f32 {
+        1.0 - self.numbers.rings[2].clamp(0.02, 1.0)
+    }
+
+    /// Linear colour of a sawn section at a ring coordinate, at a place (0 to 1) in its ring: that of the viewport without streaks,
+    /// rays and vessels.
+    pub fn end_grain(&self, rho: f32, fraction: f32) -> [f32; 3] {
+        let n = &self.numbers;
+        let [pith, phloem, cork] = self.tissue_edges();
+        let start = self.earlywood();
+        let rise = ((fraction - start) / (1.0 - start)).max(0.0);
+        let late = rise * rise * n.rings[1] * 0.8;
+        let heart = if n.edges[2] > 0.0 {
+            1.0 - smoothstep(n.edges[2] - 0.035, n.edges[2] + 0.025, rho)
+        } else {
+            0.0
+        };
+        let tissue = match rho {
+            r if r > cork => Some(n.cork),
+            r if r > phloem => Some(n.phloem),
+            r if r < pith => Some(n.pith),
+            _ => None,
+        };
+        std::array::from_fn(|c| {
+            if let Some(colour) = tissue {
+                return colour[c] * 0.85;
+            }
+            let wood = n.sapwood[c] + (n.heartwood[c] - n.sapwood[c]) * heart;
+            let darker = 1.0 + (n.latewood[c] / n.sapwood[c].max(1e-3) - 1.0) * late;
+            wood * darker * (1.0 - 0.30 * (1.0 - 0.25 * late))
+        })
     }
 }
 

@@ -264,18 +264,34 @@ impl DrawnScene {
         out
     }
 
+    /// The number of the piece that holds a length along the stem, m.
+    fn piece_at(&self, length: f32) -> Option<usize> {
+        let breaks_below = self.breaks.iter().filter(|b| b.length < length).count();
+        let role = match (self.breaks.len(), breaks_below) {
+            (1, 0) => PieceRole::Lower,
+            (1, _) => PieceRole::Upper,
+            (_, below) => PieceRole::Segment(below),
+        };
+        let name = role.name();
+        self.pieces.iter().position(|p| p.name == name)
+    }
+
+    /// The number of the piece below a break.
+    pub fn piece_below(&self, number: usize) -> Option<usize> {
+        self.piece_at(self.breaks.get(number)?.length)
+    }
+
+    /// Where a point of the unbroken stem (m in the world) is drawn that lies at a length along it (m).
+    pub fn moved_point(&self, world: DVec3, length: f32) -> Vec3 {
+        let piece = self.piece_at(length).map(|i| &self.pieces[i]);
+        let moved = piece.map_or(world, |p| p.motion.transform_point3(world));
+        (moved - self.middle).as_vec3()
+    }
+
     /// Where a break is, moved with the piece below it.
     pub fn break_place(&self, number: usize) -> Vec3 {
         let at = self.breaks[number];
-        let below = match self.breaks.len() {
-            1 => PieceRole::Lower,
-            _ => PieceRole::Segment(self.breaks.iter().filter(|b| b.length < at.length).count()),
-        };
-        let name = below.name();
-        let piece = self.pieces.iter().find(|p| p.name == name);
-        let world = at.place.as_dvec3() + self.middle;
-        let moved = piece.map_or(world, |p| p.motion.transform_point3(world));
-        (moved - self.middle).as_vec3()
+        self.moved_point(at.place.as_dvec3() + self.middle, at.length)
     }
 
     /// Adds the vertices of a node, and its triangles to the lists of their materials.

@@ -12,12 +12,16 @@ pub mod link;
 pub mod look;
 pub mod meshes;
 pub mod photograph;
+pub mod placed_cracks;
 pub mod project;
 pub mod project_file;
 pub mod randomise;
+pub mod rings;
 pub mod section;
+pub mod section_book;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod simulated;
 pub mod simulation;
 pub mod tilt;
+pub mod units;
 pub mod wire;

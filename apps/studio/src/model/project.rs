@@ -14,6 +14,8 @@ pub struct Content {
     pub file: RequestFile,
     /// The photograph of a real break.
     pub photograph: Overlay,
+    /// Rings, from 0, that were dragged to where they are.
+    pub pinned: BTreeSet<usize>,
 }
 
 /// A project.
@@ -25,6 +27,8 @@ pub struct Project {
     pub file: RequestFile,
     /// The photograph of a real break, which the picture shows too.
     pub photograph: Overlay,
+    /// Rings, from 0, that were dragged to where they are: they stay while others are dragged.
+    pub pinned: BTreeSet<usize>,
     /// Its past and future.
     pub history: History<Content>,
     /// The break that changes apply to, where there are several; see [`Project::selected`].
@@ -47,14 +51,17 @@ impl Project {
         } = file.into();
         file.input = None;
         let photograph = studio.photograph;
+        let pinned = studio.rings.pins();
         Project {
             saved: Content {
                 file: file.clone(),
                 photograph: photograph.clone(),
+                pinned: pinned.clone(),
             },
             input,
             file,
             photograph,
+            pinned,
             history: History::default(),
             selection: None,
             locked: BTreeSet::new(),
@@ -74,7 +81,13 @@ impl Project {
         Content {
             file: self.file.clone(),
             photograph: self.photograph.clone(),
+            pinned: self.pinned.clone(),
         }
+    }
+
+    fn restore(&mut self, content: Content) {
+        (self.file, self.photograph) = (content.file, content.photograph);
+        self.pinned = content.pinned;
     }
 
     /// Notes that everything is saved as the project at `path`.
@@ -94,7 +107,7 @@ impl Project {
     pub fn undo(&mut self) -> Option<String> {
         let mut content = self.content();
         let label = self.history.undo(&mut content)?;
-        (self.file, self.photograph) = (content.file, content.photograph);
+        self.restore(content);
         Some(label)
     }
 
@@ -102,7 +115,7 @@ impl Project {
     pub fn redo(&mut self) -> Option<String> {
         let mut content = self.content();
         let label = self.history.redo(&mut content)?;
-        (self.file, self.photograph) = (content.file, content.photograph);
+        self.restore(content);
         Some(label)
     }
 

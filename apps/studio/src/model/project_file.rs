@@ -4,7 +4,11 @@ use super::photograph::Overlay;
 use crate::view::camera::Camera;
 use glam::{DVec3, Vec3};
 use greenstick::RequestFile;
-use greenstick::schema::{Unit, flag, number, parameters, read_toml, write_toml};
+use greenstick::schema::{
+    Kind, Unit, count, flag, list, number, parameters, read_toml, write_toml,
+};
+use greenstick::wood::rings::MAX_RINGS;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Largest coordinate of what is looked at, m.
@@ -36,6 +40,33 @@ parameters! {
     }
 }
 
+/// The number of a ring, from 1 at the pith.
+const RING: Kind = count(1, MAX_RINGS as i128).kind;
+
+parameters! {
+    /// What was done with the rings of the request.
+    pub struct SavedRings {
+        "Rings", "rings" {
+            /// Rings that were dragged to where they are.
+            pinned: Vec<u32> = Vec::new(), list(&RING, 0, MAX_RINGS);
+        }
+    }
+}
+
+impl SavedRings {
+    /// Those of pins, from 0.
+    pub fn new(pins: &BTreeSet<usize>) -> Self {
+        SavedRings {
+            pinned: pins.iter().map(|p| *p as u32 + 1).collect(),
+        }
+    }
+
+    /// The pins, from 0.
+    pub fn pins(&self) -> BTreeSet<usize> {
+        self.pinned.iter().map(|n| *n as usize - 1).collect()
+    }
+}
+
 parameters! {
     /// What only the studio needs of a project.
     pub struct StudioFile {
@@ -49,6 +80,8 @@ parameters! {
         photograph: Overlay = Overlay::default();
         /// From where the stem is seen.
         view: SavedView = SavedView::default();
+        /// What was done with the rings.
+        rings: SavedRings = SavedRings::default();
     }
 }
 
@@ -141,7 +174,9 @@ impl ProjectFile {
         if self.studio == StudioFile::default() {
             return text;
         }
-        text.push_str("\n# What only the studio reads: the photograph, and the view of it.\n");
+        text.push_str(
+            "\n# What only the studio reads: the photograph, the view of it, and the rings that were dragged.\n",
+        );
         for line in write_toml(&self.studio).lines().filter(|l| !l.is_empty()) {
             text.push_str(MARK);
             text.push_str(line);
@@ -164,6 +199,7 @@ mod tests {
         file.studio.photograph.file = Some("täg \"x\"/a b.jpg".to_owned());
         file.studio.photograph.turn = -12.5;
         file.studio.photograph.beside = true;
+        file.studio.rings = SavedRings::new(&BTreeSet::from([0, 6]));
         let camera = Camera {
             target: Vec3::new(0.25, -0.5, 2.0),
             yaw: 9.5,

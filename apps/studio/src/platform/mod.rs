@@ -14,6 +14,7 @@ use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
 use crate::model::project_file::ProjectFile;
 use crate::model::simulation::{Look, News, SceneEntry, SimulationJob, Source};
+use crate::model::units::ShownUnit;
 use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
 use greenstick::formats::photograph::Photograph;
@@ -155,6 +156,8 @@ pub struct Settings {
     pub dark: bool,
     /// How large everything is.
     pub scale: f32,
+    /// The unit in which lengths are shown.
+    pub unit: ShownUnit,
 }
 
 impl Default for Settings {
@@ -162,6 +165,7 @@ impl Default for Settings {
         Settings {
             dark: true,
             scale: 1.0,
+            unit: ShownUnit::default(),
         }
     }
 }

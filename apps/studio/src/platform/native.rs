@@ -9,6 +9,7 @@ use crate::model::photograph::reduced;
 use crate::model::project_file::ProjectFile;
 use crate::model::simulated::scenes;
 use crate::model::simulation::{Look, SceneEntry, SimulationJob, Source};
+use crate::model::units::ShownUnit;
 use greenstick::fibre::scene::Scene as Setting;
 use greenstick::files::{self, Output};
 use greenstick::formats::photograph::Photograph;
@@ -416,6 +417,9 @@ impl Platform for Native {
                 Some(("scale", number)) => {
                     settings.scale = number.parse().unwrap_or(1.0f32).clamp(0.5, 4.0);
                 }
+                Some(("unit", symbol)) => {
+                    settings.unit = ShownUnit::from_symbol(symbol).unwrap_or_default();
+                }
                 _ => {}
             }
         }
@@ -423,8 +427,10 @@ impl Platform for Native {
     }
 
     fn keep_settings(&mut self, settings: &Settings) {
-        let Settings { dark, scale } = settings;
-        self.write_own(SETTINGS_FILE, &format!("dark={dark}\nscale={scale}\n"));
+        let Settings { dark, scale, unit } = settings;
+        let unit = unit.symbol();
+        let text = format!("dark={dark}\nscale={scale}\nunit={unit}\n");
+        self.write_own(SETTINGS_FILE, &text);
     }
 }
 

@@ -4,6 +4,7 @@ use super::actions::Action;
 use super::studio::Studio;
 use crate::model::engine::Failure;
 use crate::model::input::Input;
+use crate::model::units::ShownUnit;
 use crate::platform::{Lane, Opened};
 use crate::view::camera::AxisView;
 use crate::view::renderer::Colours;
@@ -35,6 +36,13 @@ impl Studio {
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,
             Action::Handles => self.view.handles ^= true,
+            Action::Anatomy => self.toggle_anatomy(),
+            Action::Cracks => self.toggle_cracks(),
+            Action::Units => {
+                let next = (self.settings.unit as usize + 1) % ShownUnit::ALL.len();
+                self.settings.unit = ShownUnit::ALL[next];
+                self.apply_settings(ctx);
+            }
             Action::NextColours => {
                 let next = (self.view.colours as usize + 1) % Colours::ALL.len();
                 self.view.colours = Colours::ALL[next];

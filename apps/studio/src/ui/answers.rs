@@ -100,6 +100,7 @@ impl Studio {
         // The size of the stem was not known when the pieces of the first picture were moved apart.
         let first = self.shown.is_none() && self.apart() == 0.0 && self.view.apart > 0.0;
         self.rests_at = shown.coarse.then_some(now + RESTS_AFTER);
+        self.take_sections(shown.sections.take());
         self.draw(std::mem::take(&mut shown.drawn));
         self.shown = Some(shown);
         if first && self.apart() > 0.0 {

@@ -2,9 +2,11 @@
 
 mod acting;
 mod actions;
+pub mod anatomy;
 mod answers;
 mod breaks;
 mod charts;
+mod cracks;
 mod dialog;
 mod dialogs;
 mod file_dialog;
@@ -15,6 +17,8 @@ mod parameters;
 mod photograph;
 mod photograph_view;
 mod pictures;
+mod section_line;
+mod section_picture;
 mod simulation;
 mod simulation_panel;
 mod simulation_view;

@@ -3,6 +3,7 @@
 use super::actions::Action;
 use super::studio::Studio;
 use crate::model::breaks::PLACE;
+use crate::model::units::ShownUnit;
 use eframe::egui::{self, RichText, Slider, Ui};
 use greenstick::schema::{Kind, ParameterInfo, Scale, Value};
 use greenstick::wood::species::Species;
@@ -60,8 +61,9 @@ impl Studio {
             ui.horizontal(|ui| {
                 let edit = egui::TextEdit::singleline(&mut self.search)
                     .hint_text("Search parameters")
-                    .desired_width(ui.available_width() - 110.0);
+                    .desired_width(ui.available_width() - 172.0);
                 ui.add(edit);
+                self.unit_choice(ui);
                 if ui
                     .button("Randomise")
                     .on_hover_text(Action::Randomise.about())
@@ -93,6 +95,24 @@ impl Studio {
                     }
                 });
         });
+    }
+
+    /// The unit in which lengths are shown.
+    fn unit_choice(&mut self, ui: &mut Ui) {
+        let before = self.settings.unit;
+        let combo = egui::ComboBox::from_id_salt("unit of length")
+            .selected_text(before.symbol())
+            .width(48.0);
+        let shown = combo.show_ui(ui, |ui| {
+            for unit in ShownUnit::ALL {
+                ui.selectable_value(&mut self.settings.unit, unit, unit.symbol());
+            }
+        });
+        let about = "The unit in which lengths are shown. Files keep metres.";
+        shown.response.on_hover_text(about);
+        if self.settings.unit != before {
+            self.apply_settings(&ui.ctx().clone());
+        }
     }
 
     fn is_listed(&self, p: &ParameterInfo) -> bool {
@@ -210,9 +230,12 @@ impl Studio {
                 return edit;
             }
         }
+        let unit = self.settings.unit;
         let other = match p.kind {
-            Kind::Number { min, max, .. } => number(ui, shown, (min, max), name),
-            Kind::Integer { min, max, .. } => number(ui, shown, (min as f64, max as f64), name),
+            Kind::Number { min, max, .. } => number(ui, shown, (min, max), (name, unit)),
+            Kind::Integer { min, max, .. } => {
+                number(ui, shown, (min as f64, max as f64), (name, unit))
+            }
             Kind::Flag => flag(ui, shown),
             Kind::Choice { options } => choice(ui, shown, options),
             Kind::Text { .. } | Kind::List { .. } => text(ui, shown, name),
@@ -354,22 +377,27 @@ fn first_value(p: &ParameterInfo) -> Value {
     }
 }
 
-/// The unit of a number and the factor from its value: lengths are shown in centimetres.
-fn display_unit(p: &ParameterInfo, max: f64) -> (&'static str, f64) {
-    match p.unit() {
-        "m" if max <= 1000.0 => ("cm", 100.0),
-        other => (other, 1.0),
+/// The unit of a number and the factor from its value: lengths are shown in the unit that was chosen.
+fn display_unit(p: &ParameterInfo, unit: ShownUnit) -> (&'static str, f64) {
+    match ShownUnit::from_symbol(p.unit()) {
+        Some(own) => (unit.symbol(), unit.per_metre() / own.per_metre()),
+        None => (p.unit(), 1.0),
     }
 }
 
-fn number(ui: &mut Ui, p: &ParameterInfo, (min, max): (f64, f64), name: egui::Id) -> Option<Edit> {
+fn number(
+    ui: &mut Ui,
+    p: &ParameterInfo,
+    (min, max): (f64, f64),
+    (name, unit): (egui::Id, ShownUnit),
+) -> Option<Edit> {
     let whole = matches!(p.kind, Kind::Integer { .. });
     let before = match p.value {
         Value::Number(x) => x,
         Value::Integer(n) => n as f64,
         _ => return text(ui, p, name),
     };
-    let (unit, factor) = display_unit(p, max);
+    let (unit, factor) = display_unit(p, unit);
     let suffix = match unit {
         "" => String::new(),
         "°" | "%" => unit.to_owned(),

@@ -2,6 +2,7 @@
 
 use super::simulation_view::SimulationView;
 use super::studio::Studio;
+use crate::model::units::ShownUnit;
 use eframe::egui::{self, RichText, Ui};
 use greenstick::BreakReport;
 
@@ -13,7 +14,7 @@ impl Studio {
                 let simulated = self.simulation.as_ref();
                 let text = match self.report() {
                     _ if simulated.is_some() => simulated.map_or(String::new(), frames),
-                    Some(report) => summary(report, self.triangles()),
+                    Some(report) => summary(report, self.triangles(), self.settings.unit),
                     None if self.is_busy() => "Breaking …".to_owned(),
                     None => "Nothing is broken yet: click where it shall break.".to_owned(),
                 };
@@ -61,15 +62,15 @@ fn frames(simulation: &SimulationView) -> String {
 }
 
 /// The report in one line, with the triangles that are drawn.
-fn summary(report: &BreakReport, triangles: usize) -> String {
+fn summary(report: &BreakReport, triangles: usize, unit: ShownUnit) -> String {
     let place = &report.place;
     let species = report
         .species
         .as_ref()
         .map_or(String::new(), |s| format!("{} · ", s.name));
     format!(
-        "{species}{:.1} cm thick · at {:.2} of {:.2} m · {} pieces · {} triangles",
-        200.0 * place.radius_m,
+        "{species}{} thick · at {:.2} of {:.2} m · {} pieces · {} triangles",
+        unit.text(2.0 * place.radius_m),
         place.length_m,
         place.stem_length_m,
         report.pieces.len(),

@@ -1,5 +1,7 @@
 //! The state of the window, and what happens from frame to frame.
 
+use super::anatomy::AnatomyView;
+use super::cracks::CrackTool;
 use super::dialog::Dialog;
 use super::photograph_view::PhotographView;
 use super::simulation_view::SimulationView;
@@ -8,7 +10,7 @@ use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
 use crate::model::photograph::is_picture;
 use crate::model::project::Project;
-use crate::model::project_file::{ProjectFile, SavedView};
+use crate::model::project_file::{ProjectFile, SavedRings, SavedView};
 use crate::model::section::{Plane, SectionFaces};
 use crate::platform::{Opened, Platform, Settings};
 use crate::view::camera::Camera;
@@ -127,6 +129,12 @@ pub struct Studio {
     /// A path that is being opened, as titles say it.
     pub(super) opening: Option<String>,
     pub(super) photograph: PhotographView,
+    /// The section browser.
+    pub(super) anatomy: AnatomyView,
+    /// The tool that places cracks.
+    pub(super) cracks: CrackTool,
+    /// Where the viewport was drawn.
+    pub(super) viewport_rect: Option<egui::Rect>,
     /// The simulation that is looked at in place of the break.
     pub(super) simulation: Option<SimulationView>,
     pub(super) gallery_pictures: super::pictures::Pictures,
@@ -176,6 +184,9 @@ impl Studio {
             changed_at: None,
             opening: None,
             photograph: PhotographView::default(),
+            anatomy: AnatomyView::default(),
+            cracks: CrackTool::default(),
+            viewport_rect: None,
             simulation: None,
             gallery_pictures: super::pictures::Pictures::default(),
             quit: false,
@@ -208,7 +219,7 @@ impl Studio {
     }
 
     pub(super) fn apply_settings(&mut self, ctx: &egui::Context) {
-        let Settings { dark, scale } = self.settings;
+        let Settings { dark, scale, .. } = self.settings;
         ctx.set_theme(if dark {
             egui::Theme::Dark
         } else {
@@ -343,6 +354,7 @@ impl Studio {
             });
         }
         self.shown = None;
+        self.forget_sections();
         self.numbers += 1;
         let number = self.numbers;
         self.drawn = unbroken(&self.project.input).map(|d| (number, Arc::new(d)));
@@ -389,6 +401,7 @@ impl Studio {
         file.request.input = self.project.input.path.clone();
         file.stem = self.project.input.made.clone();
         file.studio.photograph = self.project.photograph.clone();
+        file.studio.rings = SavedRings::new(&self.project.pins());
         if let (Some((_, drawn)), Some(_)) = (&self.drawn, &self.project.photograph.file) {
             file.studio.view = SavedView::new(&self.camera, drawn.middle);
         }
@@ -425,6 +438,7 @@ impl Studio {
             input: self.project.input.clone(),
             file,
             haste,
+            sections_of: self.sections_wanted(),
         };
         self.platform.show(self.numbers, job);
     }
@@ -492,6 +506,7 @@ impl Studio {
         self.tick(&ctx);
         self.dropped(&ctx);
         self.simulation_keys(&ctx);
+        self.crack_keys(&ctx);
         self.shortcuts(&ctx);
         self.menu(ui);
         self.status(ui);
@@ -499,7 +514,9 @@ impl Studio {
             self.simulation_panel(ui);
             self.timeline(ui);
         } else {
-            if self.gallery {
+            if self.anatomy.open {
+                self.anatomy_panel(ui);
+            } else if self.gallery {
                 self.gallery_panel(ui);
             }
             self.parameters(ui);

@@ -43,6 +43,7 @@ impl Studio {
             }
             let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
             self.aspect = rect.width() / rect.height().max(1.0);
+            self.viewport_rect = Some(rect);
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
             if self.simulation.is_some() {
                 let moving = self.navigate(ui, rect, &response);
@@ -52,14 +53,20 @@ impl Studio {
                 return;
             }
             let moving = self.drag_photograph(ui, rect, &response)
-                || self.drag_handle(ui, rect, &response)
+                || self.drag_section(ui, rect, &response)
+                || self.drag_crack(ui, rect, &response)
+                || (!self.cracks.on && self.drag_handle(ui, rect, &response))
                 || self.navigate(ui, rect, &response);
             self.paint(ui, rect, moving);
             self.paint_photograph(ui, rect);
             self.handle_at = self.tilt_dot(rect);
-            self.paint_handle(ui, rect, &response);
+            if !self.cracks.on {
+                self.paint_handle(ui, rect, &response);
+            }
             self.paint_break_marks(ui, rect);
-            if !self.moves_photograph() {
+            self.paint_section_line(ui, rect);
+            self.paint_cracks(ui, rect, &response);
+            if !self.moves_photograph() && !self.cracks.on {
                 self.click(ui, rect, &response);
             }
             self.overlays(ui, rect);
@@ -96,6 +103,9 @@ impl Studio {
                 }
             });
             self.photograph_bar(ui);
+            if self.simulation.is_none() {
+                self.cracks_bar(ui);
+            }
         });
     }
 
@@ -105,8 +115,22 @@ impl Studio {
             .on_hover_text("Cuts the picture open along the stem, on the side that is seen (X).");
         ui.toggle_value(&mut self.view.handles, "Handles")
             .on_hover_text("The plane of the break, and a dot to tilt and turn it by (H).");
+        let mut cracks = self.cracks.on;
+        ui.toggle_value(&mut cracks, "Cracks")
+            .on_hover_text("Places drying cracks by a drag over the broken wood (K).");
+        if cracks != self.cracks.on {
+            self.toggle_cracks();
+        }
+        let mut open = self.anatomy.open;
+        ui.toggle_value(&mut open, "Anatomy").on_hover_text(
+            "A section across the stem at any height, its rings, and rings that are dragged to where they are (S).",
+        );
+        if open != self.anatomy.open {
+            self.toggle_anatomy();
+        }
         ui.separator();
         let before = self.view.apart;
+        ui.spacing_mut().slider_width = 64.0;
         let slider = egui::Slider::new(&mut self.view.apart, 0.0..=8.0)
             .suffix(" ×")
             .fixed_decimals(1)
@@ -286,7 +310,7 @@ impl Studio {
         }
     }
 
-    fn picked(&self, rect: Rect, pos: Pos2) -> Option<Picked> {
+    pub(super) fn picked(&self, rect: Rect, pos: Pos2) -> Option<Picked> {
         let (_, drawn) = self.drawn.as_ref()?;
         let aspect = rect.width() / rect.height().max(1.0);
         let (origin, direction) = self.camera.ray(picture_point(rect, pos), aspect);

@@ -1,6 +1,7 @@
 //! Draws the viewport into a picture of its own, only when something changed, and copies it to the window.
 
 use super::camera::Camera;
+use super::globals::{Globals, globals, surface_numbers};
 use super::resources::{
     COLOR, DEPTH, Pipelines, SAMPLES, SHADOW_SIDE, color_texture, edges, entry,
 };
@@ -8,12 +9,8 @@ use super::section::LoadedSection;
 use crate::model::look::WoodLook;
 use crate::model::meshes::{Batch, DrawnScene, Shading};
 use crate::model::section::{Plane, SectionFaces};
-use bytemuck::{Pod, Zeroable};
 use eframe::egui;
 use eframe::egui_wgpu::{self, CallbackResources, ScreenDescriptor};
-use glam::Vec3;
-use glam::camera::rh::proj::directx::orthographic;
-use glam::camera::rh::view::look_at_mat4;
 use greenstick::formats::photograph::Photograph;
 use std::sync::Arc;
 use wgpu::util::DeviceExt;
@@ -90,29 +87,6 @@ struct Drawn {
     background: [f32; 3],
 }
 
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct Globals {
-    view_projection: [[f32; 4]; 4],
-    light_projection: [[f32; 4]; 4],
-    eye: [f32; 4],
-    up: [f32; 4],
-    key_direction: [f32; 4],
-    rim_direction: [f32; 4],
-    background: [f32; 4],
-    section: [f32; 4],
-    flags: [f32; 4],
-}
-
-#[repr(C)]
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
-struct SurfaceNumbers {
-    base: [f32; 4],
-    kind: [f32; 4],
-    texture_map: [f32; 4],
-    turn: [f32; 4],
-}
-
 /// A scene on the card.
 struct Loaded {
     id: u64,
@@ -150,6 +124,10 @@ struct Target {
     depth: wgpu::TextureView,
     resolved: wgpu::TextureView,
     copy: wgpu::BindGroup,
+    /// How far each pixel is into the picture, with the depth that it is drawn by.
+    distance: [wgpu::TextureView; 2],
+    /// What all shading reads.
+    globals_group: wgpu::BindGroup,
     /// The same as a texture, to be read back.
     texture: wgpu::Texture,
 }
@@ -159,7 +137,7 @@ pub struct Renderer {
     pipelines: Pipelines,
     globals: wgpu::Buffer,
     shadow_map: wgpu::TextureView,
-    globals_group: wgpu::BindGroup,
+    comparing: wgpu::Sampler,
     shadow_group: wgpu::BindGroup,
     linear: wgpu::Sampler,
     blank: wgpu::TextureView,
@@ -225,15 +203,6 @@ impl Renderer {
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             ..wgpu::SamplerDescriptor::default()
         });
-        let globals_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("globals"),
-            layout: &pipelines.globals,
-            entries: &[
-                entry(0, globals.as_entire_binding()),
-                entry(1, wgpu::BindingResource::TextureView(&shadow_map)),
-                entry(2, wgpu::BindingResource::Sampler(&comparing)),
-            ],
-        });
         let shadow_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("shadow"),
             layout: &pipelines.shadow.get_bind_group_layout(0),
@@ -249,7 +218,7 @@ impl Renderer {
             pipelines,
             globals,
             shadow_map,
-            globals_group,
+            comparing,
             shadow_group,
             linear,
             loaded: None,
@@ -309,6 +278,7 @@ impl Renderer {
         let numbers = globals(frame);
         queue.write_buffer(&self.globals, 0, bytemuck::bytes_of(&numbers));
         self.draw_shadow(encoder);
+        self.draw_distance(encoder);
         self.draw_picture(encoder, frame);
         self.drawn = Some(wanted);
         true
@@ -329,12 +299,28 @@ impl Renderer {
                 entry(1, wgpu::BindingResource::Sampler(&self.linear)),
             ],
         });
+        let distance = [COLOR, DEPTH].map(|format| {
+            let made = self::texture(device, size, format, 1, DRAWN_AND_READ);
+            view(&made)
+        });
+        let globals_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("globals"),
+            layout: &self.pipelines.globals,
+            entries: &[
+                entry(0, self.globals.as_entire_binding()),
+                entry(1, wgpu::BindingResource::TextureView(&self.shadow_map)),
+                entry(2, wgpu::BindingResource::Sampler(&self.comparing)),
+                entry(3, wgpu::BindingResource::TextureView(&distance[0])),
+            ],
+        });
         Target {
             size,
             samples,
             depth,
             resolved,
             copy,
+            distance,
+            globals_group,
             texture,
         }
     }
@@ -424,6 +410,36 @@ impl Renderer {
         pass.draw_indexed(0..loaded.count, 0, 0..1);
     }
 
+    fn draw_distance(&self, encoder: &mut wgpu::CommandEncoder) {
+        let Some(target) = &self.target else { return };
+        let [distance, depth] = &target.distance;
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("distance"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: distance,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::WHITE),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            depth_stencil_attachment: Some(depth_attachment(depth)),
+            ..wgpu::RenderPassDescriptor::default()
+        });
+        let Some(loaded) = self.loaded.as_ref().filter(|l| l.count > 0) else {
+            return;
+        };
+        pass.set_pipeline(&self.pipelines.distance);
+        pass.set_bind_group(0, &self.shadow_group, &[]);
+        pass.set_vertex_buffer(0, loaded.vertices.slice(..));
+        pass.set_index_buffer(loaded.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..loaded.count, 0, 0..1);
+        if let Some(section) = &self.section {
+            section.draw_positions(&mut pass);
+        }
+    }
+
     fn draw_picture(&self, encoder: &mut wgpu::CommandEncoder, frame: &View) {
         let Some(target) = &self.target else { return };
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -440,7 +456,7 @@ impl Renderer {
             depth_stencil_attachment: Some(depth_attachment(&target.depth)),
             ..wgpu::RenderPassDescriptor::default()
         });
-        pass.set_bind_group(0, &self.globals_group, &[]);
+        pass.set_bind_group(0, &target.globals_group, &[]);
         pass.set_pipeline(&self.pipelines.background);
         pass.draw(0..3, 0..1);
         let Some(loaded) = self.loaded.as_ref().filter(|l| l.count > 0) else {
@@ -482,79 +498,6 @@ fn depth_attachment(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAtt
             store: wgpu::StoreOp::Store,
         }),
         stencil_ops: None,
-    }
-}
-
-fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
-    let kind = match batch.shading {
-        Shading::Material => 0.0,
-        Shading::Wood(_) => 1.0,
-        Shading::Skin => 2.0,
-    };
-    let (map, turn) = batch
-        .texture
-        .map_or(([1.0, 1.0, 0.0, 0.0], 0.0), |t| (t.1, t.2));
-    let [metal, rough] = batch.metal_rough;
-    let textured = f32::from(u8::from(batch.texture.is_some()));
-    SurfaceNumbers {
-        base: batch.base,
-        kind: [metal, rough, kind, textured],
-        texture_map: map,
-        turn: [turn.sin(), turn.cos(), 0.0, 0.0],
-    }
-}
-
-/// Part of the shadow map over which the edge of a shadow is spread.
-const SOFTNESS: f32 = 0.004;
-
-fn globals(frame: &View) -> Globals {
-    let camera = &frame.camera;
-    let aspect = frame.size[0] as f32 / frame.size[1].max(1) as f32;
-    let radius = frame.shown.as_ref().map_or(1.0, |s| s.1.radius as f32);
-    // The lights turn with the camera, as in greenstick's pictures.
-    let (right, vertical) = (camera.right(), camera.vertical());
-    let toward = right.cross(vertical);
-    let direction = |x: f32, y: f32, z: f32| (right * x + vertical * y + toward * z).normalize();
-    let (key, rim) = (direction(-0.75, 0.95, 0.55), direction(0.85, 0.55, -0.75));
-    // The shadow map covers what is in the picture; what casts shadows may lie anywhere between.
-    let covered = (0.55 * camera.distance).min(radius * 1.05).max(1e-6);
-    let centre = camera.target;
-    let reach = centre.length() + radius + covered;
-    let light = orthographic(-covered, covered, -covered, covered, 0.0, 2.0 * reach)
-        * look_at_mat4(centre + key * reach, centre, vertical);
-    let eye = if camera.parallel {
-        camera.target + camera.backward() * 1e3 * camera.distance
-    } else {
-        camera.eye()
-    };
-    let pixel = if camera.parallel {
-        camera.pixel(frame.size[1] as f32) / 1e3
-    } else {
-        camera.pixel(frame.size[1] as f32)
-    };
-    let section = frame.section.as_ref();
-    let (normal, distance) = section.map_or((Vec3::X, 0.0), |s| (s.0.normal, s.0.distance));
-    let on = |x: bool| f32::from(u8::from(x));
-    Globals {
-        view_projection: camera.projection(aspect, radius).to_cols_array_2d(),
-        light_projection: light.to_cols_array_2d(),
-        eye: eye.extend(pixel).to_array(),
-        up: vertical.extend(frame.colours as u8 as f32).to_array(),
-        key_direction: key.extend(SOFTNESS).to_array(),
-        rim_direction: rim.extend(0.0).to_array(),
-        background: [
-            frame.background[0],
-            frame.background[1],
-            frame.background[2],
-            0.0,
-        ],
-        section: normal.extend(distance).to_array(),
-        flags: [
-            on(section.is_some()),
-            (2.0 * covered / SHADOW_SIDE as f32).max(SOFTNESS * covered),
-            0.0,
-            0.0,
-        ],
     }
 }
 

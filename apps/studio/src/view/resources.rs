@@ -25,6 +25,7 @@ pub struct Pipelines {
     pub copy: wgpu::BindGroupLayout,
     pub surface: wgpu::RenderPipeline,
     pub shadow: wgpu::RenderPipeline,
+    pub distance: wgpu::RenderPipeline,
     pub lines: wgpu::RenderPipeline,
     pub background: wgpu::RenderPipeline,
     pub to_window: wgpu::RenderPipeline,
@@ -162,8 +163,9 @@ impl Pipelines {
             uniform(0),
             texture(1, wgpu::TextureSampleType::Depth),
             sampler(2, wgpu::SamplerBindingType::Comparison),
+            texture(3, EXACT),
         ]);
-        // What draws the shadow map cannot read it.
+        // What draws the shadow map and the distances cannot read them.
         let only_numbers = layout(&[uniform(0)]);
         let wood = layout(&[uniform(0), texture(1, EXACT), texture(2, EXACT)]);
         let filtering = wgpu::SamplerBindingType::Filtering;
@@ -190,6 +192,14 @@ impl Pipelines {
                 fragment: Some("fragment_shadow"),
                 vertices: Some(false),
                 target: None,
+                samples: 1,
+                ..surface
+            }),
+            distance: make(Plan {
+                layouts: &[Some(&only_numbers)],
+                vertex: "vertex_distance",
+                fragment: Some("fragment_distance"),
+                vertices: Some(false),
                 samples: 1,
                 ..surface
             }),

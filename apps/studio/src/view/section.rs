@@ -60,6 +60,13 @@ impl LoadedSection {
         Arc::ptr_eq(&self.faces, faces)
     }
 
+    /// Draws where the faces are, by a pipeline that takes positions alone.
+    pub fn draw_positions(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..self.faces.indices.len() as u32, 0, 0..1);
+    }
+
     /// Draws the faces by the pipeline of surfaces.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, wood: &wgpu::BindGroup) {
         pass.set_bind_group(1, wood, &[]);

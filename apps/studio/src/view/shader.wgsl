@@ -1,5 +1,6 @@
 // What the viewport shows: wood and bark as functions of their address, after greenstick's wood::appearance, and the
-// input's own materials, in the light of greenstick's pictures: a large key light with shadow, a rim light, a sky.
+// input's own materials, in the light of greenstick's pictures: a large key light with shadow, a rim light, a sky, which surfaces also
+// reflect.
 // The figures are those of the pictures; only the hash behind them differs, as shaders have no 64-bit numbers.
 
 struct Globals {
@@ -11,7 +12,9 @@ struct Globals {
     rim_direction: vec4<f32>,
     background: vec4<f32>,     // w: 1 where the target is encoded by the card
     section: vec4<f32>,        // plane beyond which nothing is drawn
-    flags: vec4<f32>,          // x: section on, y: by how much surfaces are lifted out of their own shadow
+    flags: vec4<f32>,          // x: section on, y: by how much surfaces are lifted out of their own shadow, z: reach of shade
+    forward: vec4<f32>,        // into the picture; w: radius of the scene
+    right: vec4<f32>,
 };
 
 struct Wood {
@@ -45,6 +48,7 @@ struct Surface {
 @group(0) @binding(0) var<uniform> g: Globals;
 @group(0) @binding(1) var shadow_map: texture_depth_2d;
 @group(0) @binding(2) var shadow_sampler: sampler_comparison;
+@group(0) @binding(3) var distances: texture_2d<f32>;
 @group(1) @binding(0) var<uniform> wood: Wood;
 @group(1) @binding(1) var ring_field: texture_2d<f32>;
 @group(1) @binding(2) var ring_years: texture_2d<f32>;
@@ -102,6 +106,23 @@ fn is_cut_away(position: vec3<f32>) -> bool {
 @fragment
 fn fragment_shadow(v: ShadowVarying) {
     if (is_cut_away(v.position)) { discard; }
+}
+
+// How far into the picture each pixel is: WebGL 2 reads no depths, so that they are colours of three bytes.
+@vertex
+fn vertex_distance(@location(0) position: vec3<f32>) -> ShadowVarying {
+    var out: ShadowVarying;
+    out.clip = g.view_projection * vec4<f32>(position, 1.0);
+    out.position = position;
+    return out;
+}
+
+@fragment
+fn fragment_distance(v: ShadowVarying) -> @location(0) vec4<f32> {
+    if (is_cut_away(v.position)) { discard; }
+    let part = clamp(0.5 + 0.5 * dot(v.position, g.forward.xyz) / g.forward.w, 0.0, 0.9999999);
+    let bytes = floor(fract(part * vec3<f32>(1.0, 256.0, 65536.0)) * 256.0);
+    return vec4<f32>(bytes / 255.0, 1.0);
 }
 
 // Lines a little nearer than the surface they lie on.
@@ -475,6 +496,41 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
     return look;
 }
 
+// A smooth number from -1 to 1 along a line.
+fn value_at(seed: u32, x: f32) -> f32 {
+    let level = floor(x);
+    let f = x - level;
+    let a = unit(seed, i32(level), 0, 0);
+    let b = unit(seed, i32(level) + 1, 0, 0);
+    return mix(a, b, f * f * (3.0 - 2.0 * f)) * 2.0 - 1.0;
+}
+
+// The arcs that a saw left, and its scratches: the arc, and the height of the relief (m).
+fn saw_relief(seed: u32, turn: vec2<f32>, p: vec2<f32>, arcs: f32, scratches: f32) -> vec2<f32> {
+    let away = p - turn * 0.19;
+    let out = length(away) - 0.19;
+    let around = turn.x * away.y - turn.y * away.x;
+    let waver = 0.9 * value_at(seed ^ 1u, out / 6e-3);
+    let strength = 0.55 + 0.45 * value_at(seed ^ 2u, out / 3.22e-3);
+    let arc = sin(6.2831853 * (out / 1.4e-3 + waver)) * strength;
+    var scratch = 0.0;
+    if (scratches > 0.0) { scratch = noise(seed ^ 3u, vec3<f32>(out / 0.3e-3, around / 11e-3, 0.5)).w; }
+    return vec2<f32>(arc, 55e-6 * arcs * arc + 18e-6 * scratches * scratch);
+}
+
+// Brightness, and slope of the relief, of a sawn end.
+fn saw_at(across: vec2<f32>, footprint: f32) -> vec3<f32> {
+    let seed = wood.seed.x ^ 0x5au;
+    let angle = 6.2831853 * unit(seed, 0, 0, 0);
+    let turn = vec2<f32>(cos(angle), sin(angle));
+    let arcs = visible(1.4e-3, footprint);
+    let scratches = visible(0.3e-3, footprint);
+    let here = saw_relief(seed, turn, across, arcs, scratches);
+    let x = saw_relief(seed, turn, across + vec2<f32>(8e-6, 0.0), arcs, scratches);
+    let y = saw_relief(seed, turn, across + vec2<f32>(0.0, 8e-6), arcs, scratches);
+    return vec3<f32>(1.0 + 0.07 * arcs * here.x, (vec2<f32>(x.y, y.y) - here.y) / 8e-6);
+}
+
 fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     let width = wood.bark.x;
     let depth = wood.bark.y;
@@ -568,6 +624,36 @@ fn shadow_at(position: vec3<f32>, normal: vec3<f32>, pixel: vec2<f32>) -> f32 {
     return select(1.0, sum / 12.0, inside);
 }
 
+// How much of the surroundings a point sees past what is near it: the mean over pixels around of how high they stand over its plane,
+// less the farther they are. After M. McGuire, M. Mara and D. Luebke, "Scalable Ambient Obscurance" (High-Performance Graphics 2012),
+// with distances instead of a depth buffer and without a blur: the turn of the taps differs within tiles of 4 x 4 pixels.
+fn openness(position: vec3<f32>, normal: vec3<f32>, pixel: vec2<f32>, footprint: f32) -> f32 {
+    let reach = g.flags.z;
+    let radius = min(reach / footprint, 96.0);
+    if (radius < 2.0) { return 1.0; }
+    let limit = radius * footprint;
+    let upwards = cross(g.right.xyz, g.forward.xyz);
+    let own = dot(position, g.forward.xyz);
+    let last = vec2<i32>(textureDimensions(distances)) - 1;
+    let tile = vec2<u32>(pixel) % vec2<u32>(4u);
+    let turn = f32((tile.x * 7u + tile.y * 13u) % 16u) * 0.3927;
+    var sum = 0.0;
+    for (var i = 0; i < 14; i++) {
+        let r = (f32(i) + 0.5) / 14.0 * radius;
+        let angle = f32(i) * 2.39996 + turn;
+        let at = vec2<i32>(floor(pixel + vec2<f32>(cos(angle), sin(angle)) * r));
+        let bytes = textureLoad(distances, clamp(at, vec2<i32>(0), last), 0).rgb * 255.0;
+        let part = dot(bytes, vec3<f32>(1.0 / 256.0, 1.0 / 65536.0, 1.0 / 16777216.0));
+        let off = (vec2<f32>(at) + 0.5 - pixel) * footprint;
+        let depth = (2.0 * part - 1.0) * g.forward.w - own;
+        let v = g.right.xyz * off.x - upwards * off.y + g.forward.xyz * depth;
+        let square = dot(v, v);
+        let rise = max(dot(v, normal) - 0.02 * limit - footprint, 0.0) * inverseSqrt(square + 1e-4 * limit * limit);
+        sum += rise * max(1.0 - square / (limit * limit), 0.0);
+    }
+    return clamp(1.0 - 2.4 * sum / 14.0, 0.25, 1.0);
+}
+
 fn scatter(color: vec3<f32>, roughness: f32, metal: f32, n: vec3<f32>, v: vec3<f32>, l: vec3<f32>) -> vec3<f32> {
     let h = normalize(l + v);
     let nl = max(dot(n, l), 1e-4);
@@ -581,6 +667,23 @@ fn scatter(color: vec3<f32>, roughness: f32, metal: f32, n: vec3<f32>, v: vec3<f
     let f0 = mix(vec3<f32>(0.04), color, metal);
     let fresnel = f0 + (1.0 - f0) * pow(1.0 - vh, 5.0);
     return color * (1.0 - metal) * (1.0 - fresnel) / 3.14159265 + a / (3.14159265 * d * d) * 0.5 / masking * fresnel;
+}
+
+// The radiance of the sky and the ground around, averaged over the lobe of a surface of a roughness: the sharper the surface, the
+// sharper the horizon in it.
+fn surroundings(direction: vec3<f32>, roughness: f32) -> vec3<f32> {
+    let edge = mix(0.12, 1.0, roughness);
+    let above = smoothstep(-edge, edge, dot(direction, g.up.xyz));
+    return mix(vec3<f32>(0.336), vec3<f32>(0.50, 0.53, 0.58), above);
+}
+
+// What a surface reflects of even surroundings, as scale and offset of its reflectance at normal incidence: the second factor of the
+// split sum, as the fit of B. Karis, "Physically Based Shading on Mobile" (Unreal Engine, 2014), after D. Lazarov, "Getting More
+// Physical in Call of Duty: Black Ops II" (SIGGRAPH 2013).
+fn reflected_share(roughness: f32, nv: f32) -> vec2<f32> {
+    let r = roughness * vec4<f32>(-1.0, -0.0275, -0.572, 0.022) + vec4<f32>(1.0, 0.0425, 1.04, -0.04);
+    let a = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
+    return vec2<f32>(-1.04, 1.04) * a + r.zw;
 }
 
 fn tone(v: vec3<f32>) -> vec3<f32> {
@@ -664,7 +767,11 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
                 let light = dot(look.color, vec3<f32>(0.2126, 0.7152, 0.0722));
                 look.color = min(mix(look.color, vec3<f32>(light), 0.16) * 1.05, vec3<f32>(1.0));
                 look.roughness = max(look.roughness, 0.82);
-            } else if (end < 0.9) {
+            } else if (end > 0.9) {
+                let saw = saw_at(across, footprint);
+                look.color = clamp(look.color * saw.x, vec3<f32>(0.004), vec3<f32>(1.0));
+                look.slope += vec3<f32>(saw.yz, 0.0);
+            } else {
                 // Planed wood is smooth.
                 look.slope *= 0.25;
             }
@@ -714,9 +821,13 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
     radiance += scatter(look.color, roughness, metal, n, view, rim) * vec3<f32>(0.85, 0.92, 1.05)
         * max(dot(n, rim), 0.0) * smoothstep(-0.1, 0.15, dot(flat, rim));
     let sky = mix(vec3<f32>(0.336), vec3<f32>(0.50, 0.53, 0.58), 0.5 + 0.5 * dot(n, up));
+    let nv = max(dot(n, view), 0.05);
+    let share = reflected_share(roughness, nv);
+    let reflected = mix(vec3<f32>(0.04), look.color, metal) * share.x + share.y;
     // Where the key light does not get in, less of the sky does either.
-    let open = mix(0.72, 1.0, right_light);
-    radiance += look.color * sky * open * (1.0 - 0.5 * metal);
+    let open = mix(0.72, 1.0, right_light) * openness(v.position, normal, v.clip.xy, footprint);
+    radiance += look.color * (1.0 - metal) * (1.0 - reflected) * sky * open;
+    radiance += reflected * surroundings(reflect(-view, n), roughness) * open;
     return vec4<f32>(tone(radiance), 1.0);
 }
 

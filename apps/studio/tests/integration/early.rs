@@ -19,6 +19,7 @@ fn job(input: &Input, preset: &str, settings: &[&str], haste: Haste) -> Job {
         input: input.clone(),
         file: RequestFile::resolve(&[preset], None, settings).unwrap(),
         haste,
+        sections_of: None,
     }
 }
 

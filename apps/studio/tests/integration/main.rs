@@ -1,9 +1,12 @@
 //! The studio without a window.
 
+mod anatomy;
 mod common;
+mod cracks;
 mod early;
 mod page;
 mod photograph;
 mod picture;
 mod simulation;
+mod snapshots;
 mod window;

@@ -33,6 +33,7 @@ fn shown(desk: &mut Desk, input: u64, request: &RequestFile) -> Result<Box<Shown
         input,
         request: request.to_toml(),
         haste: Haste::Whole,
+        sections_of: None,
     };
     match ask(desk, &question, Vec::new()).0 {
         Some(Answer::Shown(7, shown)) => shown.map(|s| s.expect("the whole answer")),
@@ -54,6 +55,7 @@ fn a_picture_is_the_same_after_its_way_through_bytes() {
         input: Input::built_in(),
         file: file.clone(),
         haste: Haste::Whole,
+        sections_of: None,
     };
     let direct = Engine::default().work(&job, &mut |_| {}, &Context::default());
     let direct = direct.unwrap().unwrap();

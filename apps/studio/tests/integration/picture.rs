@@ -1,14 +1,14 @@
 //! Pictures of the viewport, on whatever adapter there is. Without one these tests say that they did not run;
 //! `.ci/run` sets GREENSTICK_NEEDS_ADAPTER, so that there they fail.
 
-use glam::Vec3;
+use glam::{DAffine3, DVec3, Vec3};
 use greenstick::RequestFile;
-use greenstick::geometry::Context;
+use greenstick::geometry::{Context, Mesh, Node, Scene};
 use greenstick_studio::model::engine::{Engine, Haste, Job};
 use greenstick_studio::model::input::Input;
 use greenstick_studio::model::meshes::DrawnScene;
 use greenstick_studio::model::section::{Plane, SectionFaces, section_faces};
-use greenstick_studio::view::camera::Camera;
+use greenstick_studio::view::camera::{AxisView, Camera};
 use greenstick_studio::view::renderer::{Colours, Renderer, View};
 use std::sync::Arc;
 
@@ -20,7 +20,8 @@ struct Card {
     queue: wgpu::Queue,
 }
 
-fn card(test: &str) -> Option<Card> {
+/// The adapter there is; without one, the test says that it did not run.
+pub fn adapter(test: &str) -> Option<(wgpu::Instance, wgpu::Adapter)> {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter =
         pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()));
@@ -32,6 +33,11 @@ fn card(test: &str) -> Option<Card> {
         eprintln!("{test} did not run: there is no graphics adapter; install mesa-vulkan-drivers");
         return None;
     };
+    Some((instance, adapter))
+}
+
+fn card(test: &str) -> Option<Card> {
+    let (_, adapter) = adapter(test)?;
     let asked = adapter.request_device(&wgpu::DeviceDescriptor::default());
     let (device, queue) = pollster::block_on(asked).unwrap();
     Some(Card { device, queue })
@@ -43,6 +49,7 @@ fn shown(settings: &[&str]) -> Arc<DrawnScene> {
         input: Input::built_in(),
         file,
         haste: Haste::Whole,
+        sections_of: None,
     };
     let shown = Engine::default().work(&job, &mut |_| {}, &Context::quiet());
     Arc::new(shown.unwrap().unwrap().drawn)
@@ -182,4 +189,77 @@ fn every_kind_of_colours_shows_something_else() {
     let unlike = |p: &[[u8; 4]], q: &[[u8; 4]]| p.iter().zip(q).filter(|(p, q)| p != q).count();
     assert!(unlike(&hollow, &pictures[4]) > 1000, "section");
     assert!(unlike(&hollow, &cut) > 1000, "faces of the section");
+}
+/// A floor, and with `wall` a wall that stands on it along x = 0.
+fn floor(wall: bool) -> Arc<DrawnScene> {
+    let mut mesh = Mesh::default();
+    let mut quad = |corners: [[f64; 3]; 4]| {
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(corners.map(DVec3::from_array));
+        let triangles = [[0, 1, 2], [0, 2, 3]].map(|t| t.map(|i| i + first));
+        mesh.triangles.extend(triangles);
+    };
+    quad([
+        [-1.0, 0.0, 1.0],
+        [1.0, 0.0, 1.0],
+        [1.0, 0.0, -1.0],
+        [-1.0, 0.0, -1.0],
+    ]);
+    if wall {
+        quad([
+            [0.0, 0.0, 1.0],
+            [0.0, 0.0, -1.0],
+            [0.0, 0.1, -1.0],
+            [0.0, 0.1, 1.0],
+        ]);
+    }
+    let scene = Scene {
+        nodes: vec![Node::new("floor", DAffine3::IDENTITY, mesh)],
+        ..Scene::default()
+    };
+    Arc::new(DrawnScene::unbroken(&scene))
+}
+
+#[test]
+fn a_wall_shades_the_floor_beside_it_and_no_farther() {
+    let Some(card) = card("a_wall_shades_the_floor_beside_it_and_no_farther") else {
+        return;
+    };
+    let mut renderer = Renderer::new(&card.device, &card.queue, wgpu::TextureFormat::Rgba8Unorm);
+    // From the side that the wall faces, half from above; the key light comes from there, too, so that the wall's shadow lies behind it.
+    let [bare, walled] = [(1, false), (2, true)].map(|(id, wall)| {
+        let shown = floor(wall);
+        let middle = shown.middle.as_vec3();
+        let mut camera = Camera::default();
+        camera.look(AxisView::Right, true);
+        camera.pitch = 0.8;
+        camera.frame(Vec3::new(-0.05, 0.0, 0.0) - middle, 0.15, 1.0);
+        let foot = camera.seen_at(-middle, 1.0).unwrap();
+        let row = ((0.5 - 0.5 * foot.y) * SIDE as f32) as usize;
+        let view = View {
+            shown: Some((id, shown)),
+            camera,
+            size: [SIDE; 2],
+            colours: Colours::Clay,
+            wireframe: false,
+            section: None,
+            background: [0.0, 0.0, 1.0],
+        };
+        let pixels = card.draw(&mut renderer, &view);
+        // The mean over the middle of a row, so many rows before the wall's foot.
+        move |off: usize| {
+            let at = |column: usize| f64::from(pixels[(row + off) * SIDE as usize + column][1]);
+            (100..156).map(at).sum::<f64>() / 56.0
+        }
+    });
+    let darker = |off: usize| bare(off) - walled(off);
+    println!(
+        "darker by {:.1}, {:.1}, {:.1}, {:.1}",
+        darker(3),
+        darker(8),
+        darker(14),
+        darker(60)
+    );
+    assert!(darker(3) > 4.0 && darker(3) > 2.0 * darker(8) && darker(8) > darker(14));
+    assert!(darker(60).abs() < 1.0, "{}", darker(60));
 }

@@ -10,12 +10,13 @@ use greenstick_studio::ui::studio::Studio;
 use std::time::{Duration, Instant};
 
 /// A rod that tears within a second or two of work.
-const TORN: &str = "about = 'a rod is torn'\nduration = 0.5\nframes_per_second = 20.0\nfor_length = '15 cm'\n\
+pub const TORN: &str = "about = 'a rod is torn'\nduration = 0.5\nframes_per_second = 20.0\nfor_length = '15 cm'\n\
     solver = 'interactive'\n[stem]\nkind = 'cylinder'\nlength = '15 cm'\ndiameter = '1 cm'\n[failure]\nevery = 8\n\
     [rods]\nnumber = 24\nedge = ['6 mm', '9 mm']\nweibull = 12.0\n[[clamp]]\nto = 0.06\n[[clamp]]\nfrom = 0.94\nto = 1.0\n\
     velocity = [0.01, 0.0, 0.0]\n";
 
-fn scene(folder: &Folder, text: &str) -> String {
+/// Writes a scene into a folder; returns its path.
+pub fn scene(folder: &Folder, text: &str) -> String {
     let path = folder.0.join("torn.toml");
     std::fs::write(&path, text).unwrap();
     path.display().to_string()

@@ -266,6 +266,31 @@ fn a_mesh_opens_and_a_project_comes_back_as_it_was() {
     assert_eq!(again.state().triangles(), harness.state().triangles());
 }
 
+#[test]
+fn lengths_are_shown_in_the_unit_that_was_chosen() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let shown = |harness: &Harness<'_, Studio>| {
+        let fields = harness.get_all_by_role_and_label(Role::SpinButton, "Diameter");
+        fields
+            .filter_map(|f| f.value())
+            .collect::<Vec<_>>()
+            .join("")
+    };
+    assert!(shown(&harness).contains("cm"), "{}", shown(&harness));
+    harness.get_by_value("cm").click();
+    harness.run_steps(20);
+    harness.get_by_label("in").click();
+    harness.run_steps(20);
+    assert!(shown(&harness).starts_with("0.394"), "{}", shown(&harness));
+    // The request is what it was, and another start shows the same unit.
+    assert_eq!(harness.state().project.file, RequestFile::default());
+    let mut again = studio(&folder, None);
+    settle(&mut again);
+    assert!(shown(&again).contains("in"));
+}
+
 /// Longest update of the window, apart from drawing and from what else the machine does, s.
 const LONGEST_UPDATE: f64 = 0.1;
 

@@ -13,6 +13,7 @@ use crate::model::held::is_project;
 use crate::model::input::Input;
 use crate::model::link::{link, read_link};
 use crate::model::project_file::ProjectFile;
+use crate::model::units::ShownUnit;
 use crate::ui::studio::Studio;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use greenstick::formats::LengthUnit;
@@ -156,6 +157,7 @@ impl Web {
             input,
             request: job.file.to_toml(),
             haste: job.haste,
+            sections_of: job.sections_of,
         };
         self.show.ask(&ask, &[]);
         self.showing = Some(number);
@@ -469,11 +471,16 @@ impl Platform for Web {
         if let Some(number) = browser::stored("scale") {
             settings.scale = number.parse().unwrap_or(1.0f32).clamp(0.5, 4.0);
         }
+        let unit = browser::stored("unit");
+        if let Some(unit) = unit.and_then(|s| ShownUnit::from_symbol(&s)) {
+            settings.unit = unit;
+        }
         settings
     }
 
     fn keep_settings(&mut self, settings: &Settings) {
         browser::store("dark", &settings.dark.to_string());
         browser::store("scale", &settings.scale.to_string());
+        browser::store("unit", settings.unit.symbol());
     }
 }

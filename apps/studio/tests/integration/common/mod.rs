@@ -1,7 +1,12 @@
 //! A studio without a window, driven as a person would.
 
 use eframe::egui;
-use egui_kittest::Harness;
+use egui_kittest::{Harness, HarnessBuilder, TestRenderer};
+use greenstick::files::encode;
+use greenstick::formats::LengthUnit;
+use greenstick::geometry::Context;
+use greenstick::{RequestFile, built_in_branch};
+use greenstick_studio::model::engine::export;
 use greenstick_studio::platform::native::Native;
 use greenstick_studio::ui::studio::Studio;
 use std::path::{Path, PathBuf};
@@ -40,11 +45,28 @@ pub fn test_data(name: &str) -> String {
 pub fn studio(folder: &Folder, path: Option<&str>) -> Harness<'static, Studio> {
     let platform = Native::new(Some(folder.0.join("config")), Arc::new(|| {}));
     let state = Studio::new(&egui::Context::default(), Box::new(platform), path);
+    builder(egui::vec2(1360.0, 860.0))
+        .build_ui_state(|ui, studio: &mut Studio| studio.frame(ui), state)
+}
+
+fn builder(size: egui::Vec2) -> HarnessBuilder<Studio> {
     Harness::builder()
-        .with_size(egui::vec2(1360.0, 860.0))
+        .with_size(size)
         // A double click takes four frames.
         .with_step_dt(1.0 / 60.0)
-        .build_ui_state(|ui, studio: &mut Studio| studio.frame(ui), state)
+}
+
+/// The same in a window of a size, drawn by a renderer.
+pub fn studio_on(
+    folder: &Folder,
+    path: Option<&str>,
+    size: egui::Vec2,
+    renderer: impl TestRenderer + 'static,
+) -> Harness<'static, Studio> {
+    let platform = Native::new(Some(folder.0.join("config")), Arc::new(|| {}));
+    let state = Studio::new(&egui::Context::default(), Box::new(platform), path);
+    let builder = builder(size).renderer(renderer);
+    builder.build_ui_state(|ui, studio: &mut Studio| studio.frame(ui), state)
 }
 
 /// Longest wait for an answer: test machines may be busy.
@@ -60,4 +82,42 @@ pub fn settle(harness: &mut Harness<'static, Studio>) {
         harness.step();
     }
     harness.run_steps(2);
+}
+
+/// Drags with the left button from one place to another, in a few steps.
+pub fn drag(harness: &mut Harness<'static, Studio>, from: egui::Pos2, to: egui::Pos2) {
+    harness.hover_at(from);
+    harness.step();
+    harness.drag_at(from);
+    harness.step();
+    for i in 1..=6 {
+        harness.hover_at(from + (to - from) * (i as f32 / 6.0));
+        harness.step();
+    }
+    harness.drop_at(to);
+    settle(harness);
+}
+
+/// The recipe that the studio saves, and the pieces that the command line makes of it, as GLB.
+pub fn saved_and_broken(
+    harness: &mut Harness<'static, Studio>,
+    folder: &Folder,
+) -> (RequestFile, Vec<u8>) {
+    let path = folder.0.join("saved.greenstick.toml");
+    harness.state_mut().save_as(path.to_str().unwrap());
+    let text = std::fs::read_to_string(&path).unwrap();
+    let file = RequestFile::resolve(&[], Some(&text), &[]).unwrap();
+    let mut broken =
+        greenstick::break_scene(built_in_branch(), &file.request(), &Context::quiet()).unwrap();
+    broken.scene.metadata = file.provenance(None, None).metadata();
+    let outputs = encode(&broken.scene, Path::new("out.glb"), LengthUnit::Metre).unwrap();
+    (file, outputs.into_iter().next().unwrap().bytes)
+}
+
+/// The pieces that the studio exports of what it has open, as GLB.
+pub fn exported(harness: &Harness<'static, Studio>) -> Vec<u8> {
+    let project = &harness.state().project;
+    let broken = export(&project.input, &project.file, |_| {}, &Context::quiet()).unwrap();
+    let outputs = encode(&broken.scene, Path::new("out.glb"), LengthUnit::Metre).unwrap();
+    outputs.into_iter().next().unwrap().bytes
 }

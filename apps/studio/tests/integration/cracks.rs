@@ -1,0 +1,104 @@
+//! Cracks that are placed by hand: dragged over the wood, sized, undone, taken away, and saved.
+
+use crate::common::{Folder, drag, exported, saved_and_broken, settle, studio};
+use eframe::egui::{Key, Modifiers, vec2};
+use egui_kittest::Harness;
+use greenstick::RequestFile;
+use greenstick::fracture::parameters::{Crack, RadialCrack};
+use greenstick_studio::model::placed_cracks::CrackEndPoint;
+use greenstick_studio::ui::studio::Studio;
+
+fn radial(harness: &Harness<'static, Studio>, number: usize) -> RadialCrack {
+    match harness.state().project.placed_cracks().get(number) {
+        Some(Crack::Radial(crack)) => crack.clone(),
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn a_crack_is_drawn_sized_undone_and_saved() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::K);
+    harness.run_steps(2);
+    let place = |harness: &mut Harness<'static, Studio>, rho, angle| {
+        harness.state_mut().face_place_at(rho, angle).unwrap()
+    };
+    let (from, to) = (place(&mut harness, 0.3, 0.6), place(&mut harness, 0.8, 0.6));
+    drag(&mut harness, from, to);
+    assert!(
+        harness.state().messages().is_empty(),
+        "{:?}",
+        harness.state().messages()
+    );
+    let drawn = radial(&harness, 0);
+    assert!(drawn.end - drawn.begin > 0.15, "{drawn:?}");
+    // Its depth by the square dot.
+    let dot = harness
+        .state_mut()
+        .crack_dot(0, CrackEndPoint::Depth)
+        .unwrap();
+    let end = harness
+        .state_mut()
+        .crack_dot(0, CrackEndPoint::End)
+        .unwrap();
+    drag(&mut harness, dot, dot + (dot - end) * 0.8);
+    let deep = radial(&harness, 0);
+    assert!(deep.depth > 1.3 * drawn.depth, "{deep:?}");
+    assert_eq!(
+        (deep.angle, deep.begin, deep.end),
+        (drawn.angle, drawn.begin, drawn.end)
+    );
+    // The dot is where it was let go.
+    let now = harness
+        .state_mut()
+        .crack_dot(0, CrackEndPoint::Depth)
+        .unwrap();
+    assert!(now.distance(dot + (dot - end) * 0.8) < 4.0, "{now}");
+    let (saved, bytes) = saved_and_broken(&mut harness, &folder);
+    assert_eq!(saved, harness.state().project.file);
+    assert!(bytes == exported(&harness), "not the command line's bytes");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(radial(&harness, 0), drawn);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, RequestFile::default());
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut harness);
+    assert_eq!(radial(&harness, 0), drawn);
+    harness.key_press(Key::Delete);
+    settle(&mut harness);
+    assert!(harness.state().project.placed_cracks().is_empty());
+}
+
+#[test]
+fn clicks_place_cracks_and_turning_the_picture_places_none() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::K);
+    harness.run_steps(2);
+    let at = harness.state_mut().face_place_at(0.6, 2.0).unwrap();
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.drop_at(at);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.placed_cracks().len(), 1);
+    // Beside the stem a drag turns the picture.
+    let corner = vec2(8.0, 8.0).to_pos2() + vec2(320.0, 640.0);
+    drag(&mut harness, corner, corner + vec2(30.0, 0.0));
+    assert_eq!(harness.state().project.placed_cracks().len(), 1);
+    harness.key_press(Key::Escape);
+    harness.run_steps(2);
+    // Clicks place none any more.
+    let bark = harness.state_mut().face_place_at(1.0, 2.0).unwrap();
+    harness.hover_at(bark);
+    harness.step();
+    harness.drag_at(bark);
+    harness.drop_at(bark);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.placed_cracks().len(), 1);
+}
