@@ -8,6 +8,7 @@ use crate::source::Source;
 use glam::DVec3;
 use greenstick_fracture::cut::{CapFace, Cut, Host};
 use greenstick_fracture::layout::wrap_angle;
+use std::hint::select_unpredictable;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
 const END_GRAIN: f64 = 0.5;
@@ -373,7 +374,7 @@ fn make_vertex(
     let (number, is_new) = (*used as u32, before <= first as u32);
     made[*used] = vertex;
     *used += usize::from(is_new);
-    if is_new { number } else { before - 1 }
+    select_unpredictable(is_new, number, before.wrapping_sub(1))
 }
 
 /// Gives the vertices of a run their normals.
@@ -382,10 +383,10 @@ fn finish_run(run: &[MadeVertex], slots: &[Slot], normals: &mut Vec<[f32; 3]>) {
     normals.extend(run.iter().map(normal));
 }
 
-/// Returns `v` where it is kept, else zero. Nothing branches on which.
+/// Returns `v` where it is kept, else zero. Nothing branches on which: of whole numbers either can be chosen without.
 fn kept(v: DVec3, keep: bool) -> DVec3 {
-    let mask = u64::from(keep).wrapping_neg();
-    DVec3::from_array(v.to_array().map(|c| f64::from_bits(c.to_bits() & mask)))
+    let kept = |c: f64| f64::from_bits(select_unpredictable(keep, c.to_bits(), 0));
+    DVec3::from_array(v.to_array().map(kept))
 }
 
 fn to_f32(v: DVec3) -> [f32; 3] {
