@@ -228,12 +228,15 @@ impl<'a> Builder<'a, '_> {
         // The facets of a cell nearly always have one height at a node.
         let mut shared = true;
         for (heights, cells) in surface.heights.iter().zip(&grid.corner_cells) {
-            shared &= *heights == cells.map(|c| of_cells[c as usize]);
+            let ([x, y, z], [a, b, c]) = (heights, cells.map(|c| c as usize));
+            shared &= (*x == of_cells[a]) & (*y == of_cells[b]) & (*z == of_cells[c]);
         }
         if shared {
             let vertices = self.place_columns(&grid.cell_starts, &of_cells);
-            let corners = grid.corner_cells.iter();
-            self.corners = corners.map(|c| c.map(|c| vertices[c as usize])).collect();
+            let vertex = |cell: u32| vertices[cell as usize];
+            let corners =
+                (grid.corner_cells.iter()).map(|&[a, b, c]| [vertex(a), vertex(b), vertex(c)]);
+            self.corners = corners.collect();
         } else {
             let heights: Vec<f64> = grid.around.iter().map(height).collect();
             let vertices = self.place_columns(&grid.node_starts, &heights);
@@ -257,7 +260,7 @@ impl<'a> Builder<'a, '_> {
             let start = self.cap.inside.len() as u32;
             self.starts.push(start);
             let about = &heights[about[0] as usize..about[1] as usize];
-            let (ascending, ranks) = column.rank(about.iter().copied());
+            let (ascending, ranks) = column.rank(about);
             for &z in ascending {
                 self.cap.inside.push(node.extend(z));
                 self.cap.nodes.push(n);
@@ -446,9 +449,8 @@ impl<'a> Builder<'a, '_> {
     fn carry_status(&mut self, f: u32, passed: u32, regions: &mut [u8], queue: &mut Vec<u32>) {
         let (layout, grid) = (self.layout(), self.grid);
         for k in 0..3usize {
-            let edge = &layout.edges[layout.sides[f as usize][k] as usize];
-            let other = edge.facets[usize::from(edge.facets[0].0 == f)];
-            let (g, side) = (other.0, usize::from(other.1));
+            let (g, side) = grid.beside[f as usize][k];
+            let side = usize::from(side);
             if g == NONE || self.status[g as usize][0] != 0 {
                 continue;
             }

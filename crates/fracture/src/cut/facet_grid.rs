@@ -33,6 +33,8 @@ pub struct FacetGrid {
     pub(super) node_starts: Vec<u32>,
     /// Facets about each node, with the node's place in each.
     pub(super) around: Vec<(u32, u8)>,
+    /// The facet beyond each side of each facet, with its side; [`NONE`] beyond the border.
+    pub(super) beside: Vec<[(u32, u8); 3]>,
     /// For each node where its cells start in `cell_corners`.
     pub(super) cell_starts: Vec<u32>,
     /// Cells about each node, each by the first of its facets there, with the node's place in that.
@@ -103,7 +105,7 @@ impl FacetGrid {
         grid.spread(skin);
         grid.part();
         grid.gather();
-        grid.gather_cells();
+        grid.gather_neighbours();
         grid
     }
 
@@ -226,9 +228,15 @@ impl FacetGrid {
         self.node_starts = starts;
     }
 
-    /// Lists the cells about every node.
-    fn gather_cells(&mut self) {
+    /// Lists the facets beside every facet and the cells about every node.
+    fn gather_neighbours(&mut self) {
         let layout = &self.layout;
+        let beyond = |f: u32, side: u32| {
+            let facets = &layout.edges[side as usize].facets;
+            facets[usize::from(facets[0].0 == f)]
+        };
+        let sides = (0..).zip(&layout.sides);
+        self.beside = sides.map(|(f, s)| s.map(|e| beyond(f, e))).collect();
         self.corner_cells = vec![[0; 3]; layout.facets.len()];
         self.cell_starts = Vec::with_capacity(self.node_starts.len());
         for about in self.node_starts.windows(2) {

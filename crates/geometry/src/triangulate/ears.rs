@@ -45,8 +45,8 @@ impl Ears {
         self.ring.clear();
         self.ring.extend((0..n).map(|i| Corner {
             point: order[i as usize],
-            before: if i == 0 { n - 1 } else { i - 1 },
-            after: if i + 1 == n { 0 } else { i + 1 },
+            before: (i + n - 1) % n,
+            after: (i + 1) % n,
             behind: OUTSIDE,
             convex: false,
         }));

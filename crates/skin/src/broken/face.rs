@@ -241,7 +241,9 @@ impl FaceBuilder<'_> {
             normal: DVec3::ZERO,
             made: [0; 2],
         };
-        let mut slots = vec![none; self.corners.len()];
+        // The last one stays as it is.
+        let mut slots = vec![none; self.corners.len() + 1];
+        let zero = self.corners.len();
         // Walls of cracks have cells beyond the bundles; their edges stay sharp in a smooth face too.
         let known = self.inner.bundles.bundles.len() as u32;
         let (cut, smooth) = (self.cut, self.inner.smooth);
@@ -258,9 +260,12 @@ impl FaceBuilder<'_> {
             let at = ids.map(|id| self.index(id));
             let (normal, end) = self.normal_and_end_grain(at);
             at.map(|at| {
-                let slot = &mut slots[at];
+                let slot = &slots[at];
                 let fresh = slot.made[0].max(slot.made[1]) <= first as u32;
-                slot.normal = kept(slot.normal, !fresh) + normal;
+                // Whether a sum begins is not to be predicted, so nothing branches on it.
+                let sum = slots[select_unpredictable(fresh, zero, at)].normal;
+                let slot = &mut slots[at];
+                slot.normal = sum + normal;
                 let before = &mut slot.made[usize::from(end)];
                 let vertex = MadeVertex::new(at, end, cell);
                 let number = make_vertex((made, &mut used), vertex, (*before, first));
@@ -381,12 +386,6 @@ fn make_vertex(
 fn finish_run(run: &[MadeVertex], slots: &[Slot], normals: &mut Vec<[f32; 3]>) {
     let normal = |made: &MadeVertex| to_f32(slots[made.corner()].normal.normalize_or_zero());
     normals.extend(run.iter().map(normal));
-}
-
-/// Returns `v` where it is kept, else zero. Nothing branches on which: of whole numbers either can be chosen without.
-fn kept(v: DVec3, keep: bool) -> DVec3 {
-    let kept = |c: f64| f64::from_bits(select_unpredictable(keep, c.to_bits(), 0));
-    DVec3::from_array(v.to_array().map(kept))
 }
 
 fn to_f32(v: DVec3) -> [f32; 3] {
