@@ -222,28 +222,53 @@ impl<'a> Builder<'a, '_> {
 
     /// Makes one vertex for every distinct height at every node.
     fn place_corners(&mut self) {
-        let (layout, grid, surface) = (self.layout(), self.grid, self.surface);
-        self.corners = vec![[0; 3]; layout.facets.len()];
+        let (grid, surface) = (self.grid, self.surface);
+        let height = |&(f, k): &(u32, u8)| surface.heights[f as usize][usize::from(k)];
+        let of_cells: Vec<f64> = grid.cell_corners.iter().map(height).collect();
+        // The facets of a cell nearly always have one height at a node.
+        let mut shared = true;
+        for (heights, cells) in surface.heights.iter().zip(&grid.corner_cells) {
+            let ([x, y, z], [a, b, c]) = (heights, cells.map(|c| c as usize));
+            shared &= (*x == of_cells[a]) & (*y == of_cells[b]) & (*z == of_cells[c]);
+        }
+        if shared {
+            let vertices = self.place_columns(&grid.cell_starts, &of_cells);
+            let vertex = |cell: u32| vertices[cell as usize];
+            let corners =
+                (grid.corner_cells.iter()).map(|&[a, b, c]| [vertex(a), vertex(b), vertex(c)]);
+            self.corners = corners.collect();
+        } else {
+            let heights: Vec<f64> = grid.around.iter().map(height).collect();
+            let vertices = self.place_columns(&grid.node_starts, &heights);
+            self.corners = vec![[0; 3]; surface.heights.len()];
+            for (&(f, k), vertex) in grid.around.iter().zip(vertices) {
+                self.corners[f as usize][usize::from(k)] = vertex;
+            }
+        }
+    }
+
+    /// Makes one vertex for every distinct one of the `heights` about every node, which start at `starts`. Returns the
+    /// vertex of each.
+    fn place_columns(&mut self, starts: &[u32], heights: &[f64]) -> Vec<u32> {
+        let layout = self.layout();
         self.starts = Vec::with_capacity(layout.nodes.len() + 1);
         self.cap.inside.reserve(layout.nodes.len() * 4);
         self.cap.nodes.reserve(layout.nodes.len() * 4);
+        let mut vertices = Vec::with_capacity(heights.len());
         let mut column = HeightColumn::default();
-        for (n, node) in layout.nodes.iter().enumerate() {
+        for (n, (node, about)) in (0..).zip(layout.nodes.iter().zip(starts.windows(2))) {
             let start = self.cap.inside.len() as u32;
             self.starts.push(start);
-            let list = grid.node_starts[n] as usize..grid.node_starts[n + 1] as usize;
-            let around = &grid.around[list];
-            let height = |&(f, k): &(u32, u8)| surface.heights[f as usize][usize::from(k)];
-            let (ascending, ranks) = column.rank(around.iter().map(height));
+            let about = &heights[about[0] as usize..about[1] as usize];
+            let (ascending, ranks) = column.rank(about);
             for &z in ascending {
                 self.cap.inside.push(node.extend(z));
-                self.cap.nodes.push(n as u32);
+                self.cap.nodes.push(n);
             }
-            for (&(f, k), rank) in around.iter().zip(ranks) {
-                self.corners[f as usize][usize::from(k)] = self.first + start + rank;
-            }
+            vertices.extend(ranks.iter().map(|rank| self.first + start + rank));
         }
         self.starts.push(self.cap.inside.len() as u32);
+        vertices
     }
 
     /// Finds the walls, and makes a vertex where the two rims of one cross.
@@ -424,9 +449,8 @@ impl<'a> Builder<'a, '_> {
     fn carry_status(&mut self, f: u32, passed: u32, regions: &mut [u8], queue: &mut Vec<u32>) {
         let (layout, grid) = (self.layout(), self.grid);
         for k in 0..3usize {
-            let edge = &layout.edges[layout.sides[f as usize][k] as usize];
-            let other = edge.facets[usize::from(edge.facets[0].0 == f)];
-            let (g, side) = (other.0, usize::from(other.1));
+            let (g, side) = grid.beside[f as usize][k];
+            let side = usize::from(side);
             if g == NONE || self.status[g as usize][0] != 0 {
                 continue;
             }

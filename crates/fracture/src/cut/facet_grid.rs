@@ -33,6 +33,14 @@ pub struct FacetGrid {
     pub(super) node_starts: Vec<u32>,
     /// Facets about each node, with the node's place in each.
     pub(super) around: Vec<(u32, u8)>,
+    /// The facet beyond each side of each facet, with its side; [`NONE`] beyond the border.
+    pub(super) beside: Vec<[(u32, u8); 3]>,
+    /// For each node where its cells start in `cell_corners`.
+    pub(super) cell_starts: Vec<u32>,
+    /// Cells about each node, each by the first of its facets there, with the node's place in that.
+    pub(super) cell_corners: Vec<(u32, u8)>,
+    /// For each corner of each facet the number of its cell in `cell_corners`.
+    pub(super) corner_cells: Vec<[u32; 3]>,
     /// For each node the region that all facets about it belong to, [`NEAR`] where one of them lies near the skin.
     pub(super) node_regions: Vec<u32>,
 }
@@ -97,6 +105,7 @@ impl FacetGrid {
         grid.spread(skin);
         grid.part();
         grid.gather();
+        grid.gather_neighbours();
         grid
     }
 
@@ -217,6 +226,34 @@ impl FacetGrid {
         };
         self.node_regions = about.map(of_node).collect();
         self.node_starts = starts;
+    }
+
+    /// Lists the facets beside every facet and the cells about every node.
+    fn gather_neighbours(&mut self) {
+        let layout = &self.layout;
+        let beyond = |f: u32, side: u32| {
+            let facets = &layout.edges[side as usize].facets;
+            facets[usize::from(facets[0].0 == f)]
+        };
+        let sides = (0..).zip(&layout.sides);
+        self.beside = sides.map(|(f, s)| s.map(|e| beyond(f, e))).collect();
+        self.corner_cells = vec![[0; 3]; layout.facets.len()];
+        self.cell_starts = Vec::with_capacity(self.node_starts.len());
+        for about in self.node_starts.windows(2) {
+            let start = self.cell_corners.len();
+            self.cell_starts.push(start as u32);
+            for &(f, k) in &self.around[about[0] as usize..about[1] as usize] {
+                let cell = layout.cells[f as usize];
+                let mut known = self.cell_corners[start..].iter();
+                let number = known.position(|&(g, _)| layout.cells[g as usize] == cell);
+                let number = number.map_or(self.cell_corners.len(), |i| start + i);
+                if number == self.cell_corners.len() {
+                    self.cell_corners.push((f, k));
+                }
+                self.corner_cells[f as usize][usize::from(k)] = number as u32;
+            }
+        }
+        self.cell_starts.push(self.cell_corners.len() as u32);
     }
 }
 

@@ -17,9 +17,17 @@ struct Crossed {
     only: bool,
 }
 
-/// The levels that a triangle with corners of such ranks crosses.
+/// A vertex and its rank.
+#[derive(Clone, Copy, Default)]
+struct RankedVertex {
+    id: u32,
+    rank: Rank,
+}
+
+/// The levels that a triangle with such corners crosses.
 #[inline]
-fn crossed([a, b, c]: [Rank; 3]) -> Option<Crossed> {
+fn crossed(corners: [RankedVertex; 3]) -> Option<Crossed> {
+    let [a, b, c] = corners.map(|v| v.rank);
     let (least, most) = (a[0].min(b[0]).min(c[0]), a[1].max(b[1]).max(c[1]));
     (least < most).then(|| Crossed {
         first: least as usize,
@@ -89,8 +97,11 @@ struct Made {
 }
 
 impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
-    fn ranks(&self, t: &[u32; 3]) -> [Rank; 3] {
-        t.map(|id| self.rank_of(id))
+    fn ranked(&self, t: &[u32; 3]) -> [RankedVertex; 3] {
+        t.map(|id| RankedVertex {
+            id,
+            rank: self.rank_of(id),
+        })
     }
 
     #[inline]
@@ -120,20 +131,20 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
             count += usize::from((a != b) | (b != c));
         }
         list.truncate(count);
-        let crosses = |t: &[u32; 3]| crossed(self.ranks(t)).is_some();
+        let crosses = |t: &[u32; 3]| crossed(self.ranked(t)).is_some();
         list.retain(|&number| crosses(&self.cut.cap[number as usize]));
         list
     }
 
     /// Grain coordinates of a vertex; its length is that of the level where it lies on one.
-    fn grain(&self, id: u32) -> DVec3 {
-        let [at, below] = self.rank_of(id);
-        let grain = self.cut.grain(self.points, id);
+    #[inline]
+    fn grain(&self, vertex: RankedVertex) -> DVec3 {
+        let [at, below] = vertex.rank;
+        let mut grain = self.cut.grain(self.points, vertex.id);
         if at > below {
-            grain.truncate().extend(self.levels[below as usize])
-        } else {
-            grain
+            grain.z = self.levels[below as usize];
         }
+        grain
     }
 
     /// Splits the triangles numbered in `crossing`, which ascend.
@@ -164,7 +175,7 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
             while let Some(wall) = later.next_if(|w| **w <= number) {
                 *wall += moved;
             }
-            self.split(triangles[at]);
+            self.split(self.ranked(&triangles[at]));
             self.cut.faces.resize(self.cut.cap.len(), faces[at]);
         }
         let moved = (self.cut.cap.len() - from) as u32;
@@ -175,30 +186,28 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
     }
 
     /// Adds a triangle to the face, split at the levels that it crosses.
-    fn split(&mut self, t: [u32; 3]) {
-        let Some(levels) = crossed(self.ranks(&t)) else {
-            return self.cut.cap.push(t);
+    fn split(&mut self, t: [RankedVertex; 3]) {
+        let Some(levels) = crossed(t) else {
+            return self.cut.cap.push(t.map(|v| v.id));
         };
         let (parts, count) = self.parts(t, levels.first);
-        for part in &parts[..count] {
-            if levels.only {
-                self.cut.cap.push(*part);
-            } else {
-                self.split(*part);
-            }
+        if levels.only {
+            let parts = parts[..count].iter();
+            self.cut.cap.extend(parts.map(|part| part.map(|v| v.id)));
+        } else {
+            parts[..count].iter().for_each(|part| self.split(*part));
         }
     }
 
     /// The parts of a triangle above and below level number `n`, two or three.
-    fn parts(&mut self, t: [u32; 3], n: usize) -> ([[u32; 3]; 3], usize) {
+    fn parts(&mut self, t: [RankedVertex; 3], n: usize) -> ([[RankedVertex; 3]; 3], usize) {
         let level = self.levels[n];
-        let ranks = self.ranks(&t);
-        let above = ranks.map(|[_, below]| below as usize > n);
-        let on = ranks.map(|[at, below]| (below as usize..at as usize).contains(&n));
+        let above = t.map(|v| v.rank[1] as usize > n);
+        let on = t.map(|v| (v.rank[1] as usize..v.rank[0] as usize).contains(&n));
         if let Some(i) = (0..3).find(|&i| on[i]) {
             let (b, c) = (t[(i + 1) % 3], t[(i + 2) % 3]);
             let m = self.vertex(b, c, n, level);
-            return ([[t[i], b, m], [t[i], m, c], [0; 3]], 2);
+            return ([[t[i], b, m], [t[i], m, c], Default::default()], 2);
         }
         // One corner is alone on its side of the level.
         let i = (0..3).find(|&i| above[i] != above[(i + 1) % 3] && above[i] != above[(i + 2) % 3]);
@@ -208,24 +217,32 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
         ([[a, m, k], [m, b, k], [b, c, k]], 3)
     }
 
-    fn vertex(&mut self, a: u32, b: u32, number: usize, level: f64) -> u32 {
-        let (a, b) = (a.min(b), a.max(b));
+    fn vertex(
+        &mut self,
+        a: RankedVertex,
+        b: RankedVertex,
+        number: usize,
+        level: f64,
+    ) -> RankedVertex {
+        let (p, q) = if a.id < b.id { (a, b) } else { (b, a) };
+        let (a, b) = (p.id, q.id);
         let of = (b, number as u32);
+        let rank = [number as u32 + 1, number as u32];
         let first = self.latest[a as usize];
         let mut at = first;
         while let Some(known) = self.made.get(at as usize) {
             if known.of == of {
-                return known.id;
+                return RankedVertex { id: known.id, rank };
             }
             at = known.before;
         }
-        let (p, q) = (self.grain(a), self.grain(b));
+        let (p, q) = (self.grain(p), self.grain(q));
         let t = (level - p.z) / (q.z - p.z);
         let mut p = p.lerp(q, t);
         p.z = level;
         self.cut.inside.push(p);
         self.cut.nodes.push(NONE);
-        self.ranks.push([number as u32 + 1, number as u32]);
+        self.ranks.push(rank);
         let id = (self.cut.points + self.cut.vertices.len() + self.cut.inside.len() - 1) as u32;
         self.latest[a as usize] = self.made.len() as u32;
         self.latest.push(NONE);
@@ -234,6 +251,6 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
             id,
             before: first,
         });
-        id
+        RankedVertex { id, rank }
     }
 }

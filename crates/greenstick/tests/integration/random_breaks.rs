@@ -5,6 +5,7 @@ use crate::support::{
     data::{data, outside_data},
     pieces, request, scanned_pole, scene, stages,
 };
+use glam::DVec3;
 use greenstick::fracture::parameters::BreakParameters;
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::intersect::{Contact, contact_tree, self_contacts};
@@ -77,10 +78,9 @@ const QUICK: CheckOptions = CheckOptions {
     self_intersections: false,
 };
 
-/// Pairs of triangles of a piece that cross. What lies away from the break is skin of the input, which crosses nothing:
-/// only triangles that reach into the box of the broken face, of the skin cut along it and of the skin beside that are
-/// looked at.
-fn crossings(piece: &Mesh) -> usize {
+/// The triangles of a piece that may cross others. What lies away from the break is skin of the input, which crosses nothing: only
+/// triangles that reach into the box of the broken face, of the skin cut along it and of the skin beside that are looked at.
+fn about_break(piece: &Mesh) -> impl Iterator<Item = usize> {
     let (points, count) = piece.points();
     let mut changed = vec![false; count];
     let point = |v: &u32| points[*v as usize] as usize;
@@ -89,16 +89,19 @@ fn crossings(piece: &Mesh) -> usize {
             corners.iter().for_each(|v| changed[point(v)] = true);
         }
     }
-    let corners = |t: &[u32; 3]| t.map(|v| piece.positions[v as usize]);
-    let touches = |t: &&[u32; 3]| t.iter().any(|v| changed[point(v)]);
-    let near = (piece.triangles.iter())
-        .filter(touches)
-        .map(|t| Aabb::around(&corners(t)))
+    let touches = |t: &[u32; 3]| t.iter().any(|v| changed[point(v)]);
+    let near = (0..piece.triangles.len())
+        .filter(|&t| touches(&piece.triangles[t]))
+        .map(|t| Aabb::around(&piece.corners(t)))
         .fold(Aabb::EMPTY, |all, one| all.join(&one));
-    let reaches = |t: &&[u32; 3]| Aabb::around(&corners(t)).overlaps(&near);
+    (0..piece.triangles.len()).filter(move |&t| Aabb::around(&piece.corners(t)).overlaps(&near))
+}
+
+/// Pairs of triangles of a piece that cross.
+fn crossings(piece: &Mesh) -> usize {
     let part = Mesh {
         positions: piece.positions.clone(),
-        triangles: piece.triangles.iter().filter(reaches).copied().collect(),
+        triangles: about_break(piece).map(|t| piece.triangles[t]).collect(),
         ..Mesh::default()
     };
     let mut crossing = 0;
@@ -106,6 +109,48 @@ fn crossings(piece: &Mesh) -> usize {
         crossing += usize::from(contact == Contact::Crossing);
     });
     crossing
+}
+
+/// Pairs of triangles that cross, of the lower and of the upper piece. Their broken faces must be the same, the upper one turned over,
+/// and are looked at once.
+fn crossings_of_both([lower, upper]: &[Mesh; 2]) -> Result<[usize; 2], &'static str> {
+    let face = |piece: &Mesh| -> Vec<[DVec3; 3]> {
+        let inner = (0..piece.triangles.len()).filter(|&t| piece.material(t) == INNER);
+        inner.map(|t| piece.corners(t)).collect()
+    };
+    let turned_over = |[a, b, c]: [DVec3; 3]| [a, c, b];
+    let faces = [lower, upper].map(face);
+    if !faces[0]
+        .iter()
+        .copied()
+        .map(turned_over)
+        .eq(faces[1].iter().copied())
+    {
+        return Err("two broken faces");
+    }
+    let mut both = Mesh {
+        positions: [&*lower.positions, &*upper.positions].concat(),
+        ..Mesh::default()
+    };
+    // Which pieces each triangle belongs to.
+    let mut owners: Vec<[bool; 2]> = Vec::new();
+    for t in about_break(lower) {
+        both.triangles.push(lower.triangles[t]);
+        owners.push([true, lower.material(t) == INNER]);
+    }
+    for t in about_break(upper).filter(|&t| upper.material(t) != INNER) {
+        let shifted = upper.triangles[t].map(|v| v + lower.positions.len() as u32);
+        both.triangles.push(shifted);
+        owners.push([false, true]);
+    }
+    let mut crossing = [0; 2];
+    self_contacts(&both, &contact_tree(&both), |a, b, contact| {
+        for (piece, crossing) in crossing.iter_mut().enumerate() {
+            let is_own = owners[a][piece] && owners[b][piece];
+            *crossing += usize::from(is_own && contact == Contact::Crossing);
+        }
+    });
+    Ok(crossing)
 }
 
 /// What is wrong with the break of one set of parameters.
@@ -121,8 +166,14 @@ fn faults(session: &mut BreakSession, at: f64, set: usize, volume: f64) -> Vec<S
     };
     let mut faults = Vec::new();
     let mut sum = 0.0;
-    for (name, mut piece) in ["lower", "upper"].into_iter().zip(pieces(&stages, &p)) {
-        let (report, crossing) = (piece.check_with(QUICK), crossings(&piece));
+    let pieces = pieces(&stages, &p);
+    let crossing = match crossings_of_both(&pieces) {
+        Ok(crossing) => crossing,
+        Err(error) => return vec![format!("{what}: {error}")],
+    };
+    let named = ["lower", "upper"].into_iter().zip(crossing);
+    for ((name, crossing), mut piece) in named.zip(pieces) {
+        let report = piece.check_with(QUICK);
         if !report.is_solid() || crossing > 0 {
             faults.push(format!("{what}, {name}: {crossing} crossings, {report}"));
         }

@@ -8,6 +8,7 @@ use crate::source::Source;
 use glam::DVec3;
 use greenstick_fracture::cut::{CapFace, Cut, Host};
 use greenstick_fracture::layout::wrap_angle;
+use std::hint::select_unpredictable;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
 const END_GRAIN: f64 = 0.5;
@@ -240,7 +241,9 @@ impl FaceBuilder<'_> {
             normal: DVec3::ZERO,
             made: [0; 2],
         };
-        let mut slots = vec![none; self.corners.len()];
+        // The last one stays as it is.
+        let mut slots = vec![none; self.corners.len() + 1];
+        let zero = self.corners.len();
         // Walls of cracks have cells beyond the bundles; their edges stay sharp in a smooth face too.
         let known = self.inner.bundles.bundles.len() as u32;
         let (cut, smooth) = (self.cut, self.inner.smooth);
@@ -257,9 +260,12 @@ impl FaceBuilder<'_> {
             let at = ids.map(|id| self.index(id));
             let (normal, end) = self.normal_and_end_grain(at);
             at.map(|at| {
-                let slot = &mut slots[at];
+                let slot = &slots[at];
                 let fresh = slot.made[0].max(slot.made[1]) <= first as u32;
-                slot.normal = kept(slot.normal, !fresh) + normal;
+                // Whether a sum begins is not to be predicted, so nothing branches on it.
+                let sum = slots[select_unpredictable(fresh, zero, at)].normal;
+                let slot = &mut slots[at];
+                slot.normal = sum + normal;
                 let before = &mut slot.made[usize::from(end)];
                 let vertex = MadeVertex::new(at, end, cell);
                 let number = make_vertex((made, &mut used), vertex, (*before, first));
@@ -373,19 +379,13 @@ fn make_vertex(
     let (number, is_new) = (*used as u32, before <= first as u32);
     made[*used] = vertex;
     *used += usize::from(is_new);
-    if is_new { number } else { before - 1 }
+    select_unpredictable(is_new, number, before.wrapping_sub(1))
 }
 
 /// Gives the vertices of a run their normals.
 fn finish_run(run: &[MadeVertex], slots: &[Slot], normals: &mut Vec<[f32; 3]>) {
     let normal = |made: &MadeVertex| to_f32(slots[made.corner()].normal.normalize_or_zero());
     normals.extend(run.iter().map(normal));
-}
-
-/// Returns `v` where it is kept, else zero. Nothing branches on which.
-fn kept(v: DVec3, keep: bool) -> DVec3 {
-    let mask = u64::from(keep).wrapping_neg();
-    DVec3::from_array(v.to_array().map(|c| f64::from_bits(c.to_bits() & mask)))
 }
 
 fn to_f32(v: DVec3) -> [f32; 3] {

@@ -158,16 +158,15 @@ impl RingField {
         if r >= outer {
             return (r / outer, angle);
         }
-        let (mut low, mut high) = (0, LEVELS);
-        while high - low > 1 {
-            let middle = (low + high) / 2;
-            if column.radius(middle) <= r {
-                low = middle;
-            } else {
-                high = middle;
-            }
+        // Rings are nearly even, so that the level sought is near this one.
+        let mut low = ((r / outer * LEVELS as f64) as usize).min(LEVELS - 1);
+        while column.radius(low) > r {
+            low -= 1;
         }
-        let (a, b) = (column.radius(low), column.radius(high));
+        while column.radius(low + 1) <= r {
+            low += 1;
+        }
+        let (a, b) = (column.radius(low), column.radius(low + 1));
         ((low as f64 + (r - a) / (b - a)) / LEVELS as f64, angle)
     }
 

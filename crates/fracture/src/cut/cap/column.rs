@@ -1,65 +1,52 @@
 //! The vertices over a node of a stepped surface: one for every distinct height of the facets about it.
 
-/// Most facets about a node whose heights are ranked by counting.
+/// Most heights over a node that are ranked by counting.
 const MAX_COUNTED: usize = 16;
 
-/// The distinct heights over a node, and which of them each facet about it has. Its memory is reused from node to node.
+/// The distinct heights over a node, and which of them each facet or cell about it has. Its memory is reused from node to node.
 #[derive(Default)]
 pub(super) struct HeightColumn {
     /// The distinct heights, ascending; what follows them means nothing.
     ascending: Vec<f64>,
-    /// For each facet the number of its height in `ascending`.
+    /// For each height given its number in `ascending`.
     ranks: Vec<u32>,
 }
 
 impl HeightColumn {
-    /// Ranks the `heights` of the facets about a node. Returns the distinct ones, ascending, and the number among them of
-    /// each facet's.
-    pub fn rank(
-        &mut self,
-        heights: impl ExactSizeIterator<Item = f64> + Clone,
-    ) -> (&[f64], &[u32]) {
-        let facets = heights.len();
-        self.ranks.resize(facets, 0);
-        self.ascending.resize(MAX_COUNTED.max(facets), 0.0);
-        let counted = if facets <= MAX_COUNTED {
-            self.rank_by_counting(heights.clone())
-        } else {
-            None
+    /// Ranks `heights` over a node. Returns the distinct ones, ascending, and the number among them of each.
+    pub fn rank(&mut self, heights: &[f64]) -> (&[f64], &[u32]) {
+        self.ranks.resize(heights.len(), 0);
+        self.ascending.resize(MAX_COUNTED.max(heights.len()), 0.0);
+        // Most nodes have three or four cells about them, for which nothing branches.
+        let distinct = match *heights {
+            [a] => self.rank_by_counting(&[a]),
+            [a, b] => self.rank_by_counting(&[a, b]),
+            [a, b, c] => self.rank_by_counting(&[a, b, c]),
+            [a, b, c, d] => self.rank_by_counting(&[a, b, c, d]),
+            _ if heights.len() <= MAX_COUNTED => self.rank_by_counting(heights),
+            _ => self.rank_by_sorting(heights.iter().copied()),
         };
-        let distinct = counted.unwrap_or_else(|| self.rank_by_sorting(heights));
         (&self.ascending[..distinct], &self.ranks)
     }
 
-    /// Ranks at most [`MAX_COUNTED`] heights. `None` where facets that do not follow each other have the same one.
-    fn rank_by_counting(&mut self, heights: impl Iterator<Item = f64>) -> Option<usize> {
-        // Facets of one cell follow each other and mostly have one height. Where the next begins is not to be predicted, so
-        // nothing branches on it.
-        let mut runs = [f64::NAN; MAX_COUNTED + 1];
-        let mut count = 0;
-        for (run, height) in self.ranks.iter_mut().zip(heights) {
-            count += usize::from(runs[count] != height);
-            runs[count] = height;
-            *run = count as u32;
+    /// Ranks at most [`MAX_COUNTED`] heights.
+    #[inline(always)]
+    fn rank_by_counting(&mut self, heights: &[f64]) -> usize {
+        // Of equal ones the first counts. Which are equal is not to be predicted, so nothing branches on it.
+        let mut is_first = [0; MAX_COUNTED];
+        let mut distinct = 0;
+        for (i, a) in heights.iter().enumerate() {
+            let known = heights[..i].iter().fold(false, |known, b| known | (a == b));
+            is_first[i] = u32::from(!known);
+            distinct += usize::from(!known);
         }
-        let runs = &runs[..=count];
-        let mut rank_of = [0; MAX_COUNTED + 1];
-        let mut sum = 0;
-        for (rank, a) in rank_of.iter_mut().zip(runs).skip(1) {
-            *rank = runs.iter().map(|b| u32::from(b < a)).sum();
-            sum += *rank as usize;
+        let ranks = self.ranks.iter_mut().zip(heights);
+        for (rank, a) in ranks {
+            let less = heights.iter().zip(&is_first);
+            *rank = less.map(|(b, first)| u32::from(b < a) & first).sum();
+            self.ascending[*rank as usize % MAX_COUNTED] = *a;
         }
-        // Equal ones share a rank and leave out the next.
-        if sum != count * count.saturating_sub(1) / 2 {
-            return None;
-        }
-        for (&rank, &height) in rank_of.iter().zip(runs).skip(1) {
-            self.ascending[rank as usize] = height;
-        }
-        for run in &mut self.ranks {
-            *run = rank_of[*run as usize];
-        }
-        Some(count)
+        distinct
     }
 
     /// Ranks any number of heights.
@@ -83,7 +70,7 @@ mod tests {
         let mut distinct = heights.to_vec();
         distinct.sort_by(f64::total_cmp);
         distinct.dedup();
-        let (ascending, ranks) = column.rank(heights.iter().copied());
+        let (ascending, ranks) = column.rank(heights);
         assert_eq!(ascending, distinct);
         let found: Vec<f64> = ranks.iter().map(|&r| ascending[r as usize]).collect();
         assert_eq!(found, heights);
