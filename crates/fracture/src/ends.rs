@@ -5,7 +5,7 @@ use crate::height_model::{NoiseSamplers, purpose, unit};
 use crate::layout::{FibreBundle, FibreBundles, wrap_angle};
 use crate::parameters::BreakParameters;
 use crate::slabs::{SectionPartition, SectionSpan, Slabs};
-use crate::strips::{Strips, torn_outline};
+use crate::strips::Strips;
 use crate::surface::{NONE, SectionLayout};
 use glam::DVec2;
 use greenstick_wood::noise;
@@ -334,10 +334,10 @@ impl TornEnds {
         let off = wrap_angle(phi - bundle.phi);
         let along = (off / bundle.half_width.max(1e-9)).clamp(-1.0, 1.0);
         EndNode {
-            shared_outline: torn_outline(kind, self.slivers.within(number, rho, wandered).x),
-            fork_outline: torn_outline(fork_kind, self.forks.within(part, rho, wandered).x),
+            shared_outline: splinter_outline(kind, self.slivers.within(number, rho, wandered).x),
+            fork_outline: splinter_outline(fork_kind, self.forks.within(part, rho, wandered).x),
             slab: self.slabs.height(end.slab as usize, rho, wandered) - end.slab_heights.0,
-            own_outline: torn_outline(own_kind, along),
+            own_outline: splinter_outline(own_kind, along),
             raggedness: noise::unit(
                 seed(self.key.seed, purpose::SHAFT),
                 i64::from(cell),
@@ -346,6 +346,53 @@ impl TornEnds {
             ),
             ..none
         }
+    }
+}
+
+/// Shares of the ends of splinters that are broken off blunt, torn to one side, torn off on one side only, and pointed; the rest
+/// is frayed.
+const BLUNT: f64 = 0.3;
+const OBLIQUE: f64 = 0.24;
+const SHOULDERED: f64 = 0.18;
+const POINTED: f64 = 0.1;
+/// Height of the shoulder of a lath that was torn off on one side.
+const SHOULDER: f64 = 0.3;
+/// Drop across a blunt end.
+const BLUNT_DROP: f64 = 0.3;
+
+/// Returns the outline of a splinter's end, 0 to 1, over its width (`v` from −1 to 1). `kind` (0 to 1) selects a lath that is
+/// broken off blunt or torn to one side, one of which a part is gone, a point, or an end frayed into prongs.
+fn splinter_outline(kind: f64, v: f64) -> f64 {
+    let mut rest = kind;
+    let mut is_next = |share: f64| {
+        let inside = rest < share;
+        if !inside {
+            rest -= share;
+        }
+        inside.then_some(rest / share)
+    };
+    if let Some(k) = is_next(BLUNT) {
+        let drop = BLUNT_DROP * (2.0 * k - 1.0);
+        1.0 - (drop.abs() + drop * v) / 2.0
+    } else if let Some(k) = is_next(OBLIQUE) {
+        // The tip lies at an edge, but not all of the end is torn off.
+        let side = if k < 0.5 { v } else { -v };
+        ((1.2 + side) / 1.6).min(1.0)
+    } else if let Some(k) = is_next(SHOULDERED) {
+        let edge = 1.4 * (k - 0.5);
+        let side = if k < 0.5 { v - edge } else { edge - v };
+        SHOULDER + (1.0 - SHOULDER) * noise::smoothstep(-0.12, 0.12, side)
+    } else if let Some(k) = is_next(POINTED) {
+        let peak = 1.4 * (k - 0.5);
+        1.0 - (v - peak).abs() / (1.0 + peak.abs())
+    } else {
+        // Two or three prongs of different lengths.
+        let k = rest / (1.0 - BLUNT - OBLIQUE - SHOULDERED - POINTED);
+        let place = (1.0 + k) * (v + 1.0);
+        let prong = place.floor();
+        let tooth = 1.0 - (2.0 * (place - prong) - 1.0).abs();
+        let high = 0.55 + 0.45 * noise::unit(0, prong as i64, (k * 1e6) as i64, 0);
+        0.2 + 0.8 * high * (1.6 * tooth).min(1.0)
     }
 }
 
@@ -366,4 +413,30 @@ fn middle_of(bundles: &FibreBundles) -> (DVec2, f64) {
         (low + high) / 2.0,
         ((high - low).max_element() / 2.0).max(1e-9),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_of_splinters_are_of_many_kinds_and_within_bounds() {
+        const KINDS: i32 = 2000;
+        let (mut blunt, mut pointed) = (0, 0);
+        for i in 0..KINDS {
+            let kind = (f64::from(i) + 0.5) / f64::from(KINDS);
+            let outline: Vec<f64> = (-50..=50)
+                .map(|j| splinter_outline(kind, f64::from(j) / 50.0))
+                .collect();
+            let ends = |pick: fn(f64, f64) -> f64, start| outline.iter().copied().fold(start, pick);
+            let (low, high) = (ends(f64::min, 1.0), ends(f64::max, 0.0));
+            assert!(low >= 0.0 && high <= 1.0 + 1e-12, "{kind}: {low} to {high}");
+            blunt += i32::from(low >= 1.0 - BLUNT_DROP - 1e-12);
+            let width = outline.iter().filter(|&&h| h > high - 0.1).count();
+            pointed += i32::from(width < 15);
+        }
+        // Blunt ones are as frequent as they are to be, and spears are the exception.
+        assert!((f64::from(blunt) / f64::from(KINDS) - BLUNT).abs() < 0.01, "{blunt}");
+        assert!(pointed < KINDS / 4, "{pointed}");
+    }
 }

@@ -372,7 +372,7 @@ impl<'a> TornRelief<'a> {
         let [far, blade, off] = end.fibre_random;
         let fibre = relief * p.fibre_height * (0.25 + 0.75 * torn);
         let blade =
-            fibre * (0.6 + 5.0 * far * far * far * far * torn) + 0.25 * torn * length * blade;
+            fibre * (0.5 + 3.0 * far * far * far * far * torn) + 0.08 * torn * length * blade;
         let [drop, fork] = end.fork_random;
         let fork =
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);

@@ -20,9 +20,9 @@ use strand::{Root, Strand, StrandMesh};
 /// Strands on each square metre of torn side grain with a fuzz of 1, on wood of the reference radius.
 const DENSITY: f64 = 9e5;
 /// Triangles of fuzz over those of its piece, at most, with a fuzz of 1.
-const MAX_SHARE: f64 = 1.2;
+const MAX_SHARE: f64 = 0.5;
 /// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
-const MEAN_TRIANGLES: f64 = 16.0;
+const MEAN_TRIANGLES: f64 = 12.5;
 /// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a
 /// picture of all of a log cannot show single fibres.
 const REFERENCE_RADIUS: f64 = 0.02;
@@ -206,7 +206,7 @@ fn strand_on(
     let edge = ahead[0].max(ahead[1]).max(ahead[2]) - direction * of(weights, frame.grain).z;
     let beyond = size * (0.6e-3 + 3.2e-3 * random(15) * random(16));
     length = length.min(edge + beyond);
-    let width = size * (0.035e-3 + 0.06e-3 * random(8) * random(8)) + 0.012 * length * random(9);
+    let width = size * (0.045e-3 + 0.08e-3 * random(8) * random(8)) + 0.014 * length * random(9);
     // Most lie close, some stand off. Those beside each other bend to one side, so that they hardly cross, and all are bent.
     let loose = random(10);
     let lift = 0.02 + 0.3 * loose * loose * loose * loose;

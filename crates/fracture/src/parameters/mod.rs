@@ -89,6 +89,10 @@ parameters! {
             /// Strands of torn fibre on the broken face, along the sides of its splinters and on their edges: 0 none, 1 as many
             /// as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out.
             fuzz: f64 = 0.5, number(Fraction, 0.0, 1.0);
+            /// Mean angle by which large splinters lean from the grain, each to a side of its own and with a bow of its own, as torn
+            /// wood springs apart. Each half is bent by itself after it was cut: with 0 the halves fit exactly; otherwise
+            /// splinters lie over each other where the halves are put together, and volumes change by some hundredths of a percent.
+            splinter_lean: f64 = 6.0, number(Degree, 0.0, 20.0);
             /// Height of the steps between neighbouring rings where the wood breaks brittle. The
             /// shear-lag length of the species over the radius is its natural value.
             step_height: f64 = 0.15, number(Radius, 0.0, 20.0);

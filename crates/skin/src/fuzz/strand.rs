@@ -6,7 +6,7 @@ use greenstick_geometry::{Attribute, Mesh};
 
 /// Parts of a strand's length at which it has a cross section, and its width there: it swells out of the wood and tapers off. A
 /// short one bends too little to need as many.
-const SECTIONS: [(f64, f64); 4] = [(0.0, 0.75), (0.34, 1.0), (0.62, 0.8), (0.84, 0.5)];
+const SECTIONS: [(f64, f64); 3] = [(0.0, 0.75), (0.42, 1.0), (0.76, 0.65)];
 const SECTIONS_OF_SHORT: [(f64, f64); 2] = [(0.0, 0.8), (0.55, 1.0)];
 /// Widths below which a strand is short.
 const SHORT: f64 = 16.0;
