@@ -64,6 +64,8 @@ pub(crate) struct TornEnd {
     pub fork_random: [f64; 2],
     /// Greatest height of that outline, radii.
     pub fork_height: f64,
+    /// How deep a cleft along the border of its sliver is there, 0 for none to about 1.
+    pub cleft: f64,
     /// Random numbers of its fibres.
     pub fibre_random: [f64; 3],
     /// Random numbers of its crushing, of its depth in a split, and of how far it is torn beside the shelf.
@@ -106,6 +108,12 @@ const FORKS: usize = 5;
 const MAX_FORKS: usize = 4000;
 /// Greatest length of such a part over its width.
 const FORK_SLENDERNESS: f64 = 7.0;
+/// Shares of the sides of slivers along rings and along rays that have a cleft, its width, radii, and the greatest part of a
+/// sliver's that it takes.
+const RING_CLEFTS: f64 = 0.45;
+const RAY_CLEFTS: f64 = 0.4;
+const CLEFT_WIDTH: f64 = 0.024;
+const CLEFT_SHARE: f64 = 0.4;
 /// How many steps of a ring follow each other along a radius's length of it.
 const STEPS_PER_RADIUS: f64 = 4.0;
 
@@ -239,6 +247,7 @@ impl TornEnds {
             fork: part as u32,
             fork_random: [fork(0), fork(1)],
             fork_height: FORK_SLENDERNESS * self.forks.region(part).size().0,
+            cleft: self.cleft(number, self.slivers.within(number, rho, wandered)),
             fibre_random: [1, 2, 3].map(|n| self.random(purpose::FIBRE, key, n)),
             crushed_random: [1, 7, 8].map(|n| self.random(purpose::SHELF, key, n)),
             step: noise::value_1d(
@@ -257,6 +266,30 @@ impl TornEnds {
             },
             string_random: [i64::from(bundle.ring), 1].map(|n| self.random(purpose::BARK, pair, n)),
         }
+    }
+
+    /// Returns how deep a cleft a sliver has at a point of it, −1 to 1 along the ring and across it. Wood parts along rings and
+    /// rays: what lay there stayed on the other piece, as a thin lath.
+    fn cleft(&self, sliver: usize, at: DVec2) -> f64 {
+        let (width, thickness) = self.slivers.region(sliver).size();
+        // Clefts are of one width, and leave most of a thin sliver as it is.
+        let border = |size: f64| 1.0 - (2.0 * CLEFT_WIDTH / size.max(1e-9)).min(CLEFT_SHARE);
+        let random = |k: i64| self.random(purpose::GROUP, sliver as i64, k);
+        let sides = [
+            (at.y, border(thickness), RING_CLEFTS),
+            (-at.y, border(thickness), RING_CLEFTS),
+            (at.x, border(width), RAY_CLEFTS),
+            (-at.x, border(width), RAY_CLEFTS),
+        ];
+        let depth = |(k, (place, from, share)): (i64, (f64, f64, f64))| {
+            let is_cleft = place > from && random(20 + k) < share;
+            if is_cleft {
+                0.3 + 0.7 * random(30 + k)
+            } else {
+                0.0
+            }
+        };
+        (0..).zip(sides).map(depth).fold(0.0, f64::max)
     }
 
     /// Finds the nodes of every bundle.

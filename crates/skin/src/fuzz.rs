@@ -5,9 +5,11 @@
 //! three-sided blade of the wood that it is peeled off: it begins within that wood, lies along the grain, and lifts towards its
 //! free end. Together they are a mesh of their own beside the piece, so that the piece stays one closed solid.
 
+mod hinge;
 mod options;
 mod strand;
 
+pub use hinge::HingeOptions;
 pub use options::FuzzOptions;
 
 use glam::{DVec2, DVec3};
@@ -49,7 +51,8 @@ struct Wall {
 }
 
 /// Makes the fuzz of a piece, which has the attributes of a broken face. It is empty where the face is not torn.
-pub fn fuzz(piece: &Mesh, options: &FuzzOptions) -> Mesh {
+/// With a `hinge`, it has the fibres of that, too.
+pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -> Mesh {
     let mut walls = walls(piece, options);
     let wanted: f64 = walls.iter().map(|wall| wall.strands).sum();
     let share = (MAX_SHARE * options.amount * piece.triangles.len() as f64) as usize;
@@ -72,6 +75,9 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions) -> Mesh {
                 made.add(&strand);
             }
         }
+    }
+    if let Some(hinge) = hinge {
+        hinge.add(&mut made);
     }
     made.finish()
 }

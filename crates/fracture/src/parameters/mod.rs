@@ -41,9 +41,9 @@ parameters! {
             /// nothing has this diameter.
             diameter: f64 = 1.0, number(Centimetre, 0.0, 500.0).symbol("D");
             /// Concentric circles on the section.
-            rings: u32 = 50, count(3, 400).symbol("N_ring").stage("layout");
+            rings: u32 = 48, count(3, 400).symbol("N_ring").stage("layout");
             /// Sectors of the section.
-            sectors: u32 = 160, count(10, 1000).symbol("N_sec").stage("layout");
+            sectors: u32 = 150, count(10, 1000).symbol("N_sec").stage("layout");
             /// Inclination of the broken face against the section.
             inclination: f64 = 0.0, number(Degree, 0.0, 90.0).symbol("φ");
             /// Direction in which the inclined face rises.

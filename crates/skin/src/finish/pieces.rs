@@ -6,8 +6,8 @@ use super::parting::parting;
 use super::piece::{Piece, PieceRole, Pieces};
 use crate::error::BreakError;
 use crate::fray::FrayedBreak;
-use crate::fuzz::{FuzzOptions, fuzz};
-use crate::hang::hang;
+use crate::fuzz::{FuzzOptions, HingeOptions, fuzz};
+use crate::hang::{hang, wedge};
 use crate::lean::{LeanReport, LeaningPiece};
 use crate::report::{BreakNote, PieceReport};
 use crate::stages::{BreakStages, has_spiral_grain};
@@ -224,6 +224,10 @@ impl Pieces {
         let room = most.map_or(usize::MAX, |most| {
             (most as usize).saturating_sub(added_triangles(stages, self))
         });
+        let upper = self.pieces.iter().find(|piece| piece.role == PieceRole::Upper);
+        let hinge = (self.hang.as_ref())
+            .and_then(|_| wedge(stem, p))
+            .zip(upper.map(|piece| piece.motion));
         let of_half = |piece: &Piece| {
             let upper = match piece.role {
                 PieceRole::Lower => false,
@@ -240,7 +244,16 @@ impl Pieces {
                 units_per_metre: 1.0 / stem.volume_scale().cbrt(),
                 seed: p.seed,
             };
-            let made = fuzz(&piece.mesh, &options);
+            let hinge = hinge.filter(|_| !upper).map(|(wedge, motion)| HingeOptions {
+                fuzz: options,
+                layers: &stem.layers,
+                transform: *stem.transform(),
+                surface: &stages.heights.heights.surface,
+                toward: wedge.toward,
+                from: wedge.from,
+                motion,
+            });
+            let made = fuzz(&piece.mesh, &options, hinge.as_ref());
             (!made.triangles.is_empty()).then(|| Arc::new(made))
         };
         let made: Vec<_> = self.pieces.par_iter().map(of_half).collect();

@@ -11,8 +11,8 @@ use greenstick_wood::noise;
 /// Heights at which displacements are kept.
 const STEPS: usize = 192;
 /// Areas of a section, as parts of that of the stem, from which on it is too thick to bend and up to which it bends freely.
-const STIFF: f64 = 0.16;
-const LIMP: f64 = 0.02;
+const STIFF: f64 = 0.3;
+const LIMP: f64 = 0.035;
 /// Least length of a splinter that leans by itself, in radii and over the root of its section's area.
 const MIN_LENGTH: f64 = 0.1;
 const MIN_SLENDERNESS: f64 = 1.4;

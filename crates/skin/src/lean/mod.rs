@@ -6,7 +6,7 @@
 //! less.
 
 mod bend;
-mod place;
+pub(crate) mod place;
 mod tree;
 
 pub use bend::SplinterLean;
@@ -141,8 +141,8 @@ impl LeaningPiece<'_> {
         }
         let mut bent: Vec<DVec3> = map.bent(&mesh, &spots, &leans);
         let mut done = false;
+        let mut pairs = crossings(&mesh, &bent);
         for round in 0..ROUNDS {
-            let pairs = crossings(&mesh, &bent);
             if pairs.is_empty() {
                 done = true;
                 break;
@@ -162,7 +162,8 @@ impl LeaningPiece<'_> {
             for _ in 0..=usize::from(round >= PATIENCE) * 3 {
                 leans.damp(&blamed);
             }
-            bent = map.bent(&mesh, &spots, &leans);
+            let before = std::mem::replace(&mut bent, map.bent(&mesh, &spots, &leans));
+            cross_again(&mesh, (&before, &bent), &mut pairs);
         }
         if !done {
             // Whatever it is, it is no longer the lean.
@@ -213,6 +214,23 @@ fn crossings(mesh: &Mesh, bent: &[DVec3]) -> Vec<[u32; 2]> {
     pairs
 }
 
+/// Brings the pairs of triangles that cross up to date after vertices have moved from the first positions to the second.
+fn cross_again(mesh: &Mesh, (before, bent): (&[DVec3], &[DVec3]), pairs: &mut Vec<[u32; 2]>) {
+    let moved = |t: &[u32; 3]| t.iter().any(|&v| bent[v as usize] != before[v as usize]);
+    let changed: Vec<u32> = (mesh.triangles.iter().zip(0..))
+        .filter_map(|(t, number)| moved(t).then_some(number))
+        .collect();
+    pairs.retain(|p| p.iter().all(|t| changed.binary_search(t).is_err()));
+    pairs.extend(crossing_pairs(bent, &mesh.triangles, Some(&changed)));
+    let moves = |t: u32| {
+        let corners = mesh.triangles[t as usize];
+        corners.iter().any(|&v| bent[v as usize] != mesh.positions[v as usize])
+    };
+    pairs.retain(|p| p.iter().any(|&t| moves(t)));
+    pairs.sort_unstable();
+    pairs.dedup();
+}
+
 impl Map<'_> {
     /// Adds the spots of vertices that have none yet.
     fn spots(&self, mesh: &Mesh, foot: f64, spots: &mut Vec<Spot>) {
@@ -228,9 +246,10 @@ impl Map<'_> {
         let moves = grain.is_finite() && self.sign * grain.z > foot && share > 0.0;
         // What sticks out of the section goes along with the wood that it grew on.
         let inwards = [1.0, 0.97, 0.94, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5];
-        let within = |part: f64| self.places.cell(self.middle + off * (part / beside.max(1.0)));
+        let cell = |at: DVec2| self.places.cell(at, self.sign * grain.z);
+        let within = |part: f64| cell(self.middle + off * (part / beside.max(1.0)));
         let cell = moves
-            .then(|| self.places.cell(at).or_else(|| inwards.into_iter().find_map(within)))
+            .then(|| cell(at).or_else(|| inwards.into_iter().find_map(within)))
             .flatten();
         Spot { grain, cell, share }
     }

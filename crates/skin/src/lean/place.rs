@@ -6,8 +6,12 @@ use greenstick_fracture::surface::FractureSurface;
 /// Distance within which a point on the border of a facet counts as lying in it, as part of the layout's extent.
 const ON_BORDER: f64 = 1e-8;
 
+/// Distances, as parts of that extent, and the number of directions in which wood is looked for beside a point over the face.
+const NEAR: [f64; 3] = [0.001, 0.004, 0.012];
+const DIRECTIONS: i32 = 8;
+
 /// The facets of a surface by place.
-pub(super) struct FacetPlaces<'a> {
+pub(crate) struct FacetPlaces<'a> {
     surface: &'a FractureSurface,
     sign: f64,
     low: DVec2,
@@ -17,6 +21,9 @@ pub(super) struct FacetPlaces<'a> {
     starts: Vec<u32>,
     facets: Vec<u32>,
     border: f64,
+    /// Height above which a point lies over the face, m.
+    over: f64,
+    extent: f64,
 }
 
 impl<'a> FacetPlaces<'a> {
@@ -36,6 +43,8 @@ impl<'a> FacetPlaces<'a> {
             starts: vec![0; size * size + 1],
             facets: Vec::new(),
             border: ON_BORDER * extent.max_element(),
+            over: ON_BORDER * extent.max_element(),
+            extent: extent.max_element(),
         };
         let mut pairs: Vec<(u32, u32)> = Vec::new();
         for (f, facet) in layout.facets.iter().enumerate() {
@@ -63,13 +72,13 @@ impl<'a> FacetPlaces<'a> {
         [place.x, place.y].map(|p| (p.max(0.0) as usize).min(self.size - 1))
     }
 
-    /// Returns the cell that stands highest at a point; `None` off the layout.
-    pub fn cell(&self, at: DVec2) -> Option<u32> {
+    /// Returns the cell that stands highest at a point, and its height there; `None` off the layout.
+    pub fn highest(&self, at: DVec2) -> Option<(u32, f64)> {
         let [i, j] = self.square(at);
         let square = j * self.size + i;
         let (from, to) = (self.starts[square], self.starts[square + 1]);
         let layout = self.surface.layout.as_ref();
-        let mut highest = (f64::NEG_INFINITY, None);
+        let mut highest: Option<(u32, f64)> = None;
         for &f in &self.facets[from as usize..to as usize] {
             let corners = layout.facets[f as usize].map(|n| layout.nodes[n as usize]);
             let Some(weights) = self.weights(corners, at) else {
@@ -77,11 +86,33 @@ impl<'a> FacetPlaces<'a> {
             };
             let heights = self.surface.heights[f as usize];
             let height: f64 = (0..3).map(|k| self.sign * heights[k] * weights[k]).sum();
-            if height > highest.0 {
-                highest = (height, Some(layout.cells[f as usize]));
+            if highest.is_none_or(|h| height > h.1) {
+                highest = Some((layout.cells[f as usize], height));
             }
         }
-        highest.1
+        highest
+    }
+
+    /// Returns the cell of wood at a point and a height. Where that lies over the face, as on a straight edge of curved wood, it is
+    /// that of the wood nearest to it.
+    pub fn cell(&self, at: DVec2, height: f64) -> Option<u32> {
+        let here = self.highest(at);
+        if here.is_none_or(|(_, top)| top >= height - self.over) {
+            return here.map(|h| h.0);
+        }
+        for distance in NEAR {
+            for direction in 0..DIRECTIONS {
+                let turn = std::f64::consts::TAU * f64::from(direction) / f64::from(DIRECTIONS);
+                let (sin, cos) = libm::sincos(turn);
+                let beside = at + DVec2::new(cos, sin) * (distance * self.extent);
+                if let Some((cell, top)) = self.highest(beside)
+                    && top >= height - self.over
+                {
+                    return Some(cell);
+                }
+            }
+        }
+        here.map(|h| h.0)
     }
 
     /// Returns the weights of a facet's corners at a point in it.

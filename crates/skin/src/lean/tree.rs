@@ -41,8 +41,6 @@ pub(super) struct SplinterTree {
     pub branches: Vec<Branch>,
     /// The branches from those that carry others to those that they carry.
     pub order: Vec<u32>,
-    /// Area of all cells, m².
-    pub area: f64,
 }
 
 /// A set of cells that hang together above a height.
@@ -90,7 +88,6 @@ impl SplinterTree {
                 })
                 .collect(),
             order: Vec::with_capacity(cells),
-            area: parts.iter().map(|p| p.area).sum(),
         };
         let mut sets: Vec<u32> = (0..cells as u32).collect();
         for (height, a, b) in links {
@@ -212,7 +209,6 @@ mod tests {
         assert_eq!((b[2].parent, b[2].from), (4, 2.0));
         // Columns that only lead up to others are branches without a length.
         assert_eq!((b[1].length(), b[3].length()), (0.0, 0.0));
-        assert_eq!(tree.area, 5.0);
         // Above 1 there are the three on the right.
         assert_eq!(b[4].foot_area(), 3.0);
         assert_eq!(tree.branch_at(3, 1.5), 4);
