@@ -114,6 +114,8 @@ const RING_CLEFTS: f64 = 0.45;
 const RAY_CLEFTS: f64 = 0.4;
 const CLEFT_WIDTH: f64 = 0.024;
 const CLEFT_SHARE: f64 = 0.4;
+/// Ring coordinates between which clefts end: wood under bark is torn as that is.
+const CLEFTS_END: (f64, f64) = (0.8, 0.88);
 /// How many steps of a ring follow each other along a radius's length of it.
 const STEPS_PER_RADIUS: f64 = 4.0;
 
@@ -247,7 +249,8 @@ impl TornEnds {
             fork: part as u32,
             fork_random: [fork(0), fork(1)],
             fork_height: FORK_SLENDERNESS * self.forks.region(part).size().0,
-            cleft: self.cleft(number, self.slivers.within(number, rho, wandered)),
+            cleft: self.cleft(number, self.slivers.within(number, rho, wandered))
+                * (1.0 - noise::smoothstep(CLEFTS_END.0, CLEFTS_END.1, rho)),
             fibre_random: [1, 2, 3].map(|n| self.random(purpose::FIBRE, key, n)),
             crushed_random: [1, 7, 8].map(|n| self.random(purpose::SHELF, key, n)),
             step: noise::value_1d(

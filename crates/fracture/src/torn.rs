@@ -7,7 +7,7 @@
 
 use crate::ends::{EndNode, TornEnd, TornEnds, wandering_angle};
 use crate::field::HeightField;
-use crate::height_model::{HeightModel, NoiseSamplers, unit};
+use crate::height_model::{HeightModel, NoiseSamplers, purpose, unit};
 use crate::layout::{FibreBundle, FibreBundles};
 use crate::parameters::ZoneParameters;
 use glam::DVec2;
@@ -470,14 +470,22 @@ impl<'a> TornRelief<'a> {
         if height <= 0.0 {
             return 0.0;
         }
-        let way = (at - self.ends.pith).dot(self.model.tension) / self.model.site.radius;
-        let place = way / FOLD_WIDTH + 0.35 * rough;
-        let part = place - place.floor();
-        if part < FOLD_RISE {
+        let across = (at - self.ends.pith) / self.model.site.radius;
+        let seed = self.model.seed(purpose::ROUGH);
+        let winding = 0.8 * noise::gradient_2d(seed + 7, across * 1.6)
+            + 0.4 * noise::gradient_2d(seed + 8, across * 4.3)
+            + 0.06 * rough;
+        let place = across.dot(self.model.tension) / FOLD_WIDTH + 2.0 * winding;
+        let (fold, part) = (place.floor(), place - place.floor());
+        // No fold runs on for long.
+        let along = across.dot(self.model.tension.perp());
+        let high = noise::value_1d(seed + 9 + (fold as i64 & 0xff) as u64, 3.4 * along);
+        let rise = if part < FOLD_RISE {
             part / FOLD_RISE
         } else {
             (1.0 - part) / (1.0 - FOLD_RISE)
-        }
+        };
+        rise * (0.55 + 0.45 * high)
     }
 
     /// Returns the height of a bundle's end at one of its nodes, which have `noises`.

@@ -12,12 +12,12 @@ use greenstick_wood::noise::unit;
 use greenstick_wood::stem::LayeredGrain;
 
 /// Bundles of fibres in the hinge.
-const BUNDLES: i64 = 110;
+const BUNDLES: i64 = 150;
 /// Distances from the edge that the piece turned about, radii, between which bundles lie, and beyond which they are torn.
-const REACH: (f64, f64) = (0.05, 0.5);
-const WHOLE: f64 = 0.3;
+const REACH: (f64, f64) = (0.03, 0.6);
+const WHOLE: f64 = 0.36;
 /// Widths and thicknesses, radii.
-const WIDTH: (f64, f64) = (0.02, 0.13);
+const WIDTH: (f64, f64) = (0.03, 0.17);
 const THICKNESS: (f64, f64) = (0.008, 0.022);
 /// How far bundles reach into the wood of both pieces, radii.
 const ROOT: f64 = 0.12;

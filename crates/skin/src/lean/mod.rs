@@ -27,6 +27,8 @@ use tree::SplinterTree;
 
 /// Greatest distance between a bowed splinter and the straight edges that show it, radii.
 const PRECISION: f64 = 0.012;
+/// Height of an edge below which it cannot be farther off, radii.
+const LEAST_RISE: f64 = 0.1;
 /// How often edges are halved for it.
 const HALVINGS: usize = 4;
 /// Rounds in which splinters that cross lean less.
@@ -49,6 +51,8 @@ pub struct LeanReport {
     pub mean_degrees: f64,
     /// See above.
     pub greatest_degrees: f64,
+    /// Median of their lengths, m.
+    pub median_length_m: f64,
     /// Volume of the piece while its splinters were straight, m³; none unless it is closed.
     pub straight_volume_m3: Option<f64>,
 }
@@ -134,8 +138,9 @@ impl LeaningPiece<'_> {
         let mut mesh = mesh.clone();
         let mut spots: Vec<Spot> = Vec::new();
         map.spots(&mesh, foot, &mut spots);
+        let mut coarse = FxHashMap::default();
         for _ in 0..HALVINGS {
-            if !map.halve(&mut mesh, &leans, foot, &mut spots, PRECISION * radius) {
+            if !map.halve(&mut mesh, (&leans, foot), &mut spots, &mut coarse) {
                 break;
             }
         }
@@ -185,12 +190,15 @@ impl LeaningPiece<'_> {
 /// Returns what is reported of leans.
 fn report(splinters: &[SplinterLean]) -> LeanReport {
     let leaning = splinters.iter().filter(|s| s.degrees >= LEANING);
-    let degrees: Vec<f64> = leaning.map(|s| s.degrees).collect();
+    let (degrees, mut lengths): (Vec<f64>, Vec<f64>) =
+        leaning.map(|s| (s.degrees, s.length)).unzip();
+    lengths.sort_unstable_by(f64::total_cmp);
     LeanReport {
         splinters: degrees.len(),
         straight: splinters.len() - degrees.len(),
         mean_degrees: degrees.iter().sum::<f64>() / degrees.len().max(1) as f64,
         greatest_degrees: degrees.iter().copied().fold(0.0, f64::max),
+        median_length_m: lengths.get(lengths.len() / 2).copied().unwrap_or_default(),
         straight_volume_m3: None,
     }
 }
@@ -278,21 +286,21 @@ impl Map<'_> {
         self.inverse.transform_vector3(way)
     }
 
-    /// Halves the edges that lie farther than `precision` (m) off the bowed splinter that they show. Returns whether there were
-    /// any.
+    /// Halves the edges that lie too far off the bowed splinter that they show. Returns whether there were any. `coarse` says of
+    /// the edges between points whether they do, as far as that is known.
     fn halve(
         &self,
         mesh: &mut Mesh,
-        leans: &Leans,
-        foot: f64,
+        (leans, foot): (&Leans, f64),
         spots: &mut Vec<Spot>,
-        precision: f64,
+        coarse: &mut FxHashMap<[u32; 2], bool>,
     ) -> bool {
+        let radius = self.stem.found.stem.radius;
+        // Points keep their numbers when vertices are added.
         let (points, _) = mesh.points();
         let by = |spot: &Spot| self.displacement(spot, leans).map_or(DVec2::ZERO, |d| d.0);
         let ways: Vec<DVec2> = spots.iter().map(by).collect();
         // Edges between points, so that both sides of a seam do the same.
-        let mut coarse: FxHashMap<[u32; 2], bool> = FxHashMap::default();
         let ordered = |[v, w]: [u32; 2]| {
             if points[v as usize] < points[w as usize] {
                 [v, w]
@@ -302,8 +310,9 @@ impl Map<'_> {
         };
         let mut is_coarse = |edge: [u32; 2]| {
             let [v, w] = ordered(edge);
-            let moves = |v: u32| spots[v as usize].cell.is_some();
-            if !(moves(v) || moves(w)) {
+            let [one, other] = [v, w].map(|v| &spots[v as usize]);
+            let rise = (one.grain.z - other.grain.z).abs();
+            if one.cell.or(other.cell).is_none() || rise < LEAST_RISE * radius {
                 return false;
             }
             let key = [points[v as usize], points[w as usize]];
@@ -312,7 +321,7 @@ impl Map<'_> {
                 let (from, to) = (ways[v as usize], ways[w as usize]);
                 [0.25, 0.5, 0.75].into_iter().any(|t| {
                     let way = by(&self.spot(p.lerp(q, t), foot));
-                    way.distance(from.lerp(to, t)) > precision
+                    way.distance(from.lerp(to, t)) > PRECISION * radius
                 })
             })
         };

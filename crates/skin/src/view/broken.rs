@@ -21,7 +21,7 @@ const ELEVATION: f64 = 0.5;
 const FLAT: f64 = 2.2;
 /// How steeply the opened break of a flat stem is looked down on, rad, and how far its upper piece lies behind the lower one, in
 /// heights of the face that hide each other.
-const FLAT_ELEVATION: f64 = 0.6;
+const FLAT_ELEVATION: f64 = 0.7;
 const FLAT_DISTANCE: f64 = 0.8;
 /// Elevation of the camera over a break that hangs open, and its turn from the side, rad.
 const HANGING_ELEVATION: f64 = 0.22;
@@ -176,8 +176,31 @@ impl BreakView<'_> {
         let end = if piece.is_upper { end } else { -end };
         let at = self.stem.grain.axis().frame(self.stem.location + end);
         let reach = 0.5 * self.width;
-        [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y]
-            .map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach))
+        let middle = self.section_middle(piece, at_rest);
+        let sides = match self.long_side {
+            Some(long) => [long, -long, DVec3::ZERO, DVec3::ZERO],
+            None => [at.x, at.y, -at.x, -at.y],
+        };
+        sides.map(|side| moved.transform_point3(at.origin + middle + side * reach))
+    }
+
+    /// Returns the way from the axis to the middle of the section of a flat piece; none where it is not flat.
+    fn section_middle(&self, piece: &ViewedPiece, at_rest: &DAffine3) -> DVec3 {
+        let Some(long) = self.long_side else {
+            return DVec3::ZERO;
+        };
+        let origin = self.frame().origin;
+        let face = (piece.node.mesh.triangles.iter().enumerate())
+            .filter(|(t, _)| piece.node.mesh.materials.get(*t) == Some(&self.material))
+            .flat_map(|(_, corners)| corners)
+            .map(|&v| (at_rest.transform_point3(piece.node.mesh.positions[v as usize]) - origin).dot(long));
+        let (low, high) = face.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+            (l.min(x), h.max(x))
+        });
+        if low > high {
+            return DVec3::ZERO;
+        }
+        long * ((low + high) / 2.0)
     }
 
     /// Returns how a camera looks at the opened break, or at one whose upper piece hangs on a hinge of this direction.
