@@ -472,7 +472,10 @@ mod tests {
             pointed += i32::from(width < 15);
         }
         // Blunt ones are as frequent as they are to be, and spears are the exception.
-        assert!((f64::from(blunt) / f64::from(KINDS) - BLUNT).abs() < 0.01, "{blunt}");
+        assert!(
+            (f64::from(blunt) / f64::from(KINDS) - BLUNT).abs() < 0.01,
+            "{blunt}"
+        );
         assert!(pointed < KINDS / 4, "{pointed}");
     }
 }

@@ -392,8 +392,12 @@ impl<'a> TornRelief<'a> {
             + up * 0.6 * length * heavy(drop)
             + p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
             + fibre * (off - 0.5);
-        let cleft = up * end.cleft * relief * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
-        let base = level + torn * (torn_height - cleft) + (1.0 - torn) * crushed + slant.dot(at) - split;
+        let cleft = up
+            * end.cleft
+            * relief
+            * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
+        let base =
+            level + torn * (torn_height - cleft) + (1.0 - torn) * crushed + slant.dot(at) - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
         let width = 2.0 * bundle.half_width * rho;
         BundleHeight {

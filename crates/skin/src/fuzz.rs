@@ -63,6 +63,10 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
         walls.iter_mut().for_each(|wall| wall.strands *= part);
     }
     let mut made = StrandMesh::new(options);
+    if let Some(hinge) = hinge {
+        hinge.add(&mut made, options.most_triangles);
+    }
+    let most = (most + made.triangles()).min(options.most_triangles);
     for wall in &walls {
         let Some(frame) = Frame::of(piece, wall.triangle) else {
             continue;
@@ -75,9 +79,6 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
                 made.add(&strand);
             }
         }
-    }
-    if let Some(hinge) = hinge {
-        hinge.add(&mut made);
     }
     made.finish()
 }

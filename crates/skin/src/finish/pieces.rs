@@ -224,7 +224,10 @@ impl Pieces {
         let room = most.map_or(usize::MAX, |most| {
             (most as usize).saturating_sub(added_triangles(stages, self))
         });
-        let upper = self.pieces.iter().find(|piece| piece.role == PieceRole::Upper);
+        let upper = self
+            .pieces
+            .iter()
+            .find(|piece| piece.role == PieceRole::Upper);
         let hinge = (self.hang.as_ref())
             .and_then(|_| wedge(stem, p))
             .zip(upper.map(|piece| piece.motion));
@@ -244,15 +247,17 @@ impl Pieces {
                 units_per_metre: 1.0 / stem.volume_scale().cbrt(),
                 seed: p.seed,
             };
-            let hinge = hinge.filter(|_| !upper).map(|(wedge, motion)| HingeOptions {
-                fuzz: options,
-                layers: &stem.layers,
-                transform: *stem.transform(),
-                surface: &stages.heights.heights.surface,
-                toward: wedge.toward,
-                from: wedge.from,
-                motion,
-            });
+            let hinge = hinge
+                .filter(|_| !upper)
+                .map(|(wedge, motion)| HingeOptions {
+                    fuzz: options,
+                    layers: &stem.layers,
+                    transform: *stem.transform(),
+                    surface: &stages.heights.heights.surface,
+                    toward: wedge.toward,
+                    from: wedge.from,
+                    motion,
+                });
             let made = fuzz(&piece.mesh, &options, hinge.as_ref());
             (!made.triangles.is_empty()).then(|| Arc::new(made))
         };

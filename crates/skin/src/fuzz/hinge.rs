@@ -51,11 +51,12 @@ pub struct HingeOptions<'a> {
 }
 
 impl HingeOptions<'_> {
-    /// Adds the fibres of the hinge to strands of the lower piece.
-    pub(super) fn add(&self, made: &mut StrandMesh) {
+    /// Adds the fibres of the hinge to strands of the lower piece, as long as there are no more triangles than `most`.
+    pub(super) fn add(&self, made: &mut StrandMesh, most: usize) {
         let places = FacetPlaces::new(self.surface, 1.0);
         for number in 0..BUNDLES {
-            if let Some(ribbon) = self.bundle(&places, number) {
+            let ribbon = self.bundle(&places, number);
+            if let Some(ribbon) = ribbon.filter(|r| made.triangles() + r.triangles() <= most) {
                 made.add_ribbon(&ribbon);
             }
         }
@@ -78,8 +79,14 @@ impl HingeOptions<'_> {
         let (_, height) = places.highest(at)?;
         let world = |height: f64| self.layers.to_world(at.extend(height));
         let root = ROOT * radius * (1.0 + random(2));
-        let (start, along) = (world(height), (world(height) - world(height - root)).normalize_or_zero());
-        let [end, onward] = [self.motion.transform_point3(start), self.motion.transform_vector3(along)];
+        let (start, along) = (
+            world(height),
+            (world(height) - world(height - root)).normalize_or_zero(),
+        );
+        let [end, onward] = [
+            self.motion.transform_point3(start),
+            self.motion.transform_vector3(along),
+        ];
         let chord = start.distance(end);
         let beside = {
             let q = self.toward.perp().extend(0.0) * radius;
@@ -101,21 +108,34 @@ impl HingeOptions<'_> {
         };
         let mut places = vec![start - along * root];
         let way = |i: i32| f64::from(i) / f64::from(SECTIONS - 1) * reaches;
-        places.extend((0..SECTIONS).map(|i| curve(if from_lower || !torn { way(i) } else { 1.0 - way(i) })));
+        places.extend((0..SECTIONS).map(|i| {
+            curve(if from_lower || !torn {
+                way(i)
+            } else {
+                1.0 - way(i)
+            })
+        }));
         if torn && !from_lower {
             places[0] = end + onward * root;
         }
         if !torn {
             places.push(end + onward * root);
         }
-        let of = |range: (f64, f64), random: f64| (range.0 + (range.1 - range.0) * random * random) * radius;
+        let of = |range: (f64, f64), random: f64| {
+            (range.0 + (range.1 - range.0) * random * random) * radius
+        };
         let (width, thickness) = (of(WIDTH, random(8)), of(THICKNESS, random(9)));
         let last = places.len() - 1;
         let to_node = self.transform.inverse();
         let section = |(i, place): (usize, &DVec3)| {
             let tangent = places[(i + 1).min(last)] - places[i.saturating_sub(1)];
-            let taper = if torn { 1.0 - 0.85 * i as f64 / last as f64 } else { 1.0 };
-            let flat = (beside - tangent * (beside.dot(tangent) / tangent.length_squared())).normalize_or_zero();
+            let taper = if torn {
+                1.0 - 0.85 * i as f64 / last as f64
+            } else {
+                1.0
+            };
+            let flat = (beside - tangent * (beside.dot(tangent) / tangent.length_squared()))
+                .normalize_or_zero();
             let ridge = tangent.cross(flat).normalize_or_zero();
             let length = height + (i as f64 - 1.0) * root / SECTIONS as f64;
             RibbonSection {

@@ -89,6 +89,13 @@ pub(super) struct Ribbon {
     pub sections: Vec<RibbonSection>,
 }
 
+impl Ribbon {
+    /// Number of its triangles.
+    pub fn triangles(&self) -> usize {
+        8 * (self.sections.len() - 1) + 4
+    }
+}
+
 /// A section of a ribbon.
 pub(super) struct RibbonSection {
     pub place: DVec3,
@@ -183,8 +190,10 @@ impl<'a> StrandMesh<'a> {
             for (f, r) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
                 let at = (section.place + flat * f + ridge * r).as_vec3();
                 self.mesh.positions.push(at.as_dvec3());
-                let normal = ridge.normalize_or_zero() * r + flat.normalize_or_zero() * (f * ROUNDNESS);
-                self.normals.extend(normal.normalize_or_zero().as_vec3().to_array());
+                let normal =
+                    ridge.normalize_or_zero() * r + flat.normalize_or_zero() * (f * ROUNDNESS);
+                self.normals
+                    .extend(normal.normalize_or_zero().as_vec3().to_array());
                 let texture = (self.options.square).side_grain(ribbon.ring, 0.0, section.grain.z);
                 self.coordinates.extend(texture.as_vec2().to_array());
                 self.grain.extend(section.grain.as_vec3().to_array());
@@ -197,7 +206,8 @@ impl<'a> StrandMesh<'a> {
         let last = ribbon.sections.len() - 1;
         let triangles = &mut self.mesh.triangles;
         triangles.extend([[0, 2, 1], [0, 3, 2]].map(|t: [usize; 3]| t.map(|side| corner(0, side))));
-        triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [usize; 3]| t.map(|side| corner(last, side))));
+        triangles
+            .extend([[0, 1, 2], [0, 2, 3]].map(|t: [usize; 3]| t.map(|side| corner(last, side))));
         for section in 0..last {
             for side in 0..4 {
                 let [a, b] = [corner(section, side), corner(section, side + 1)];

@@ -60,7 +60,11 @@ impl Leans {
     pub fn new(tree: SplinterTree, radius: f64, degrees: f64, seed: u64) -> Leans {
         let cells = tree.branches.len();
         let ends = |pick: fn(f64, f64) -> f64, start: f64| {
-            let finite = tree.branches.iter().map(|b| b.from).filter(|h| h.is_finite());
+            let finite = tree
+                .branches
+                .iter()
+                .map(|b| b.from)
+                .filter(|h| h.is_finite());
             let tips = tree.branches.iter().map(|b| b.to).filter(|h| h.is_finite());
             finite.chain(tips).fold(start, pick)
         };
@@ -162,6 +166,8 @@ impl Leans {
     pub fn at(&self, cell: u32, height: f64) -> (DVec2, DVec2) {
         let branch = self.bends_as[self.tree.branch_at(cell, height) as usize];
         let table = &self.tables[branch as usize];
+        // What lies over a tip goes along with it.
+        let height = height.min(self.tree.branches[branch as usize].to);
         let place = ((height - self.low) / self.step).clamp(0.0, STEPS as f64);
         let k = (place as usize).min(STEPS - 1);
         let (a, b) = (table[k], table[k + 1]);

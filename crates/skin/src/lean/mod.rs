@@ -31,6 +31,9 @@ const PRECISION: f64 = 0.012;
 const LEAST_RISE: f64 = 0.1;
 /// How often edges are halved for it.
 const HALVINGS: usize = 4;
+/// Greatest difference of the displacements at the ends of an edge: over its height, and whatever that is, radii.
+const MOST_SHEAR: f64 = 0.6;
+const SLACK: f64 = 0.03;
 /// Rounds in which splinters that cross lean less.
 const ROUNDS: usize = 24;
 /// Rounds after which everything about a crossing that is left stays straight.
@@ -146,14 +149,14 @@ impl LeaningPiece<'_> {
         }
         let mut bent: Vec<DVec3> = map.bent(&mesh, &spots, &leans);
         let mut done = false;
-        let mut pairs = crossings(&mesh, &bent);
+        let mut crossings = Crossings::new(&mesh, &spots, &bent);
         for round in 0..ROUNDS {
-            if pairs.is_empty() {
+            let torn = map.torn(&mesh, &spots, &leans);
+            if crossings.pairs.is_empty() && torn.is_empty() {
                 done = true;
                 break;
             }
-            let mut blamed: Vec<u32> = (pairs.iter().flatten())
-                .flat_map(|&t| mesh.triangles[t as usize])
+            let mut blamed: Vec<u32> = (crossings.vertices().chain(torn))
                 .filter_map(|v| {
                     let spot = spots[v as usize];
                     leans.blame(spot.cell?, sign * spot.grain.z)
@@ -168,7 +171,7 @@ impl LeaningPiece<'_> {
                 leans.damp(&blamed);
             }
             let before = std::mem::replace(&mut bent, map.bent(&mesh, &spots, &leans));
-            cross_again(&mesh, (&before, &bent), &mut pairs);
+            crossings.update(&before, &bent);
         }
         if !done {
             // Whatever it is, it is no longer the lean.
@@ -203,40 +206,63 @@ fn report(splinters: &[SplinterLean]) -> LeanReport {
     }
 }
 
-/// Returns the pairs of triangles of a mesh that cross once its vertices are at `bent`, with one that moves among them.
-fn crossings(mesh: &Mesh, bent: &[DVec3]) -> Vec<[u32; 2]> {
-    let moves = |t: &[u32; 3]| t.iter().any(|&v| bent[v as usize] != mesh.positions[v as usize]);
-    let moving: Vec<bool> = mesh.triangles.iter().map(moves).collect();
-    let around = |t: &[u32; 3]| Aabb::around(&t.map(|v| bent[v as usize]));
-    let all = mesh.triangles.iter().zip(&moving).filter(|(_, m)| **m);
-    let reach = all.fold(Aabb::EMPTY, |reach, (t, _)| reach.join(&around(t)));
-    let near: Vec<u32> = (0..mesh.triangles.len() as u32)
-        .filter(|&t| around(&mesh.triangles[t as usize]).overlaps(&reach))
-        .collect();
-    let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
-    let mut pairs = crossing_pairs(bent, &triangles, None);
-    for t in pairs.iter_mut().flatten() {
-        *t = near[*t as usize];
-    }
-    pairs.retain(|p| p.iter().any(|&t| moving[t as usize]));
-    pairs
+/// The triangles of a piece that may cross when splinters lean, and the pairs that do.
+struct Crossings {
+    triangles: Vec<[u32; 3]>,
+    /// Whether each can move.
+    moves: Vec<bool>,
+    /// Pairs of numbers in `triangles` that cross.
+    pairs: Vec<[u32; 2]>,
 }
 
-/// Brings the pairs of triangles that cross up to date after vertices have moved from the first positions to the second.
-fn cross_again(mesh: &Mesh, (before, bent): (&[DVec3], &[DVec3]), pairs: &mut Vec<[u32; 2]>) {
-    let moved = |t: &[u32; 3]| t.iter().any(|&v| bent[v as usize] != before[v as usize]);
-    let changed: Vec<u32> = (mesh.triangles.iter().zip(0..))
-        .filter_map(|(t, number)| moved(t).then_some(number))
-        .collect();
-    pairs.retain(|p| p.iter().all(|t| changed.binary_search(t).is_err()));
-    pairs.extend(crossing_pairs(bent, &mesh.triangles, Some(&changed)));
-    let moves = |t: u32| {
-        let corners = mesh.triangles[t as usize];
-        corners.iter().any(|&v| bent[v as usize] != mesh.positions[v as usize])
-    };
-    pairs.retain(|p| p.iter().any(|&t| moves(t)));
-    pairs.sort_unstable();
-    pairs.dedup();
+impl Crossings {
+    /// Finds them for vertices at `bent`.
+    fn new(mesh: &Mesh, spots: &[Spot], bent: &[DVec3]) -> Self {
+        let can_move = |t: &[u32; 3]| t.iter().any(|&v| spots[v as usize].cell.is_some());
+        let around = |t: &[u32; 3]| {
+            let straight = Aabb::around(&t.map(|v| mesh.positions[v as usize]));
+            straight.join(&Aabb::around(&t.map(|v| bent[v as usize])))
+        };
+        let moving = mesh.triangles.iter().filter(|t| can_move(t));
+        let reach = moving.fold(Aabb::EMPTY, |reach, t| reach.join(&around(t)));
+        let near: Vec<u32> = (0..mesh.triangles.len() as u32)
+            .filter(|&t| around(&mesh.triangles[t as usize]).overlaps(&reach))
+            .collect();
+        let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
+        let mut found = Crossings {
+            moves: triangles.iter().map(can_move).collect(),
+            pairs: crossing_pairs(bent, &triangles, None),
+            triangles,
+        };
+        found.leave_out_faults_of_the_input();
+        found
+    }
+
+    fn leave_out_faults_of_the_input(&mut self) {
+        let moves = &self.moves;
+        self.pairs.retain(|p| p.iter().any(|&t| moves[t as usize]));
+    }
+
+    /// Brings the pairs up to date after vertices have moved from the first positions to the second.
+    fn update(&mut self, before: &[DVec3], bent: &[DVec3]) {
+        let moved = |t: &[u32; 3]| t.iter().any(|&v| bent[v as usize] != before[v as usize]);
+        let changed: Vec<u32> = (self.triangles.iter().zip(0..))
+            .filter_map(|(t, number)| moved(t).then_some(number))
+            .collect();
+        let kept = |p: &[u32; 2]| p.iter().all(|t| changed.binary_search(t).is_err());
+        self.pairs.retain(kept);
+        let found = crossing_pairs(bent, &self.triangles, Some(&changed));
+        self.pairs.extend(found);
+        self.pairs.sort_unstable();
+        self.pairs.dedup();
+        self.leave_out_faults_of_the_input();
+    }
+
+    /// Vertices of triangles that cross.
+    fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
+        let triangles = self.pairs.iter().flatten();
+        triangles.flat_map(|&t| self.triangles[t as usize])
+    }
 }
 
 impl Map<'_> {
@@ -247,7 +273,10 @@ impl Map<'_> {
     }
 
     fn spot(&self, place: DVec3, foot: f64) -> Spot {
-        let grain = self.stem.layers.to_grain(self.transform.transform_point3(place));
+        let grain = self
+            .stem
+            .layers
+            .to_grain(self.transform.transform_point3(place));
         let (off, at) = (grain.truncate() - self.middle, grain.truncate());
         let beside = off.length() / self.reach;
         let share = 1.0 - smoothstep(BESIDE.0, BESIDE.1, beside);
@@ -277,6 +306,21 @@ impl Map<'_> {
             _ => place,
         };
         places.map(bend).collect()
+    }
+
+    /// Returns the ends of edges that would be drawn out, as where a vertex that was moved by a repair is taken for another
+    /// splinter's.
+    fn torn(&self, mesh: &Mesh, spots: &[Spot], leans: &Leans) -> Vec<u32> {
+        let radius = self.stem.found.stem.radius;
+        let by = |spot: &Spot| self.displacement(spot, leans).map_or(DVec2::ZERO, |d| d.0);
+        let ways: Vec<DVec2> = spots.iter().map(by).collect();
+        let is_torn = |&[v, w]: &[u32; 2]| {
+            let [v, w] = [v as usize, w as usize];
+            let rise = (spots[v].grain.z - spots[w].grain.z).abs();
+            ways[v].distance(ways[w]) > MOST_SHEAR * rise + SLACK * radius
+        };
+        let edges = (mesh.triangles.iter()).flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+        edges.filter(is_torn).flatten().collect()
     }
 
     /// Returns a way across the section at a spot in the coordinates of the mesh.
@@ -342,7 +386,8 @@ impl Map<'_> {
                 *made.entry([v, w]).or_insert_with(push)
             };
             split(&mut triangles, [a, b, c], marks, &mut middle);
-            materials.extend((before..triangles.len()).filter_map(|_| mesh.materials.get(t).copied()));
+            materials
+                .extend((before..triangles.len()).filter_map(|_| mesh.materials.get(t).copied()));
         }
         (mesh.triangles, mesh.materials) = (triangles, materials);
         self.spots(mesh, foot, spots);

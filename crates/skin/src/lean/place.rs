@@ -94,25 +94,26 @@ impl<'a> FacetPlaces<'a> {
     }
 
     /// Returns the cell of wood at a point and a height. Where that lies over the face, as on a straight edge of curved wood, it is
-    /// that of the wood nearest to it.
+    /// that of the wood beside it that reaches as high, or highest.
     pub fn cell(&self, at: DVec2, height: f64) -> Option<u32> {
-        let here = self.highest(at);
-        if here.is_none_or(|(_, top)| top >= height - self.over) {
-            return here.map(|h| h.0);
+        let mut best = self.highest(at)?;
+        if best.1 >= height - self.over {
+            return Some(best.0);
         }
         for distance in NEAR {
             for direction in 0..DIRECTIONS {
                 let turn = std::f64::consts::TAU * f64::from(direction) / f64::from(DIRECTIONS);
                 let (sin, cos) = libm::sincos(turn);
                 let beside = at + DVec2::new(cos, sin) * (distance * self.extent);
-                if let Some((cell, top)) = self.highest(beside)
-                    && top >= height - self.over
-                {
-                    return Some(cell);
+                if let Some(found) = self.highest(beside).filter(|found| found.1 > best.1) {
+                    best = found;
                 }
             }
+            if best.1 >= height - self.over {
+                break;
+            }
         }
-        here.map(|h| h.0)
+        Some(best.0)
     }
 
     /// Returns the weights of a facet's corners at a point in it.

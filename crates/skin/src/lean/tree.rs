@@ -110,10 +110,17 @@ impl SplinterTree {
             both.area += of_end.area;
             both.moment += of_end.moment;
             let area = both.area;
-            tree.branches[of_on.branch as usize].areas.push((height, area));
+            tree.branches[of_on.branch as usize]
+                .areas
+                .push((height, area));
         }
-        let roots = tree.branches.iter().zip(0..).filter(|(b, _)| b.parent == NONE);
-        tree.order.extend(roots.map(|(_, number)| number).collect::<Vec<u32>>());
+        let roots = tree
+            .branches
+            .iter()
+            .zip(0..)
+            .filter(|(b, _)| b.parent == NONE);
+        tree.order
+            .extend(roots.map(|(_, number)| number).collect::<Vec<u32>>());
         tree.order.reverse();
         tree
     }

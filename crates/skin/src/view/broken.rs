@@ -193,7 +193,9 @@ impl BreakView<'_> {
         let face = (piece.node.mesh.triangles.iter().enumerate())
             .filter(|(t, _)| piece.node.mesh.materials.get(*t) == Some(&self.material))
             .flat_map(|(_, corners)| corners)
-            .map(|&v| (at_rest.transform_point3(piece.node.mesh.positions[v as usize]) - origin).dot(long));
+            .map(|&v| {
+                (at_rest.transform_point3(piece.node.mesh.positions[v as usize]) - origin).dot(long)
+            });
         let (low, high) = face.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
             (l.min(x), h.max(x))
         });
@@ -261,7 +263,10 @@ impl BreakView<'_> {
         let (about, aside) = match self.long_side {
             Some(long) => {
                 let hidden = FLAT_DISTANCE * (high - low) / libm::tan(FLAT_ELEVATION);
-                (long, frame.tangent.cross(long) * (hidden + self.stem.radius))
+                (
+                    long,
+                    frame.tangent.cross(long) * (hidden + self.stem.radius),
+                )
             }
             None => (frame.y, frame.x * (OPENED_DISTANCE * self.width)),
         };

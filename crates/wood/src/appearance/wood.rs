@@ -267,7 +267,8 @@ impl WoodAppearance {
             + split.height
             + (RING_RELIEF * ridges * late - 0.5 * self.vessel_diameter * vessel);
         let outward = address.across.normalize_or_zero();
-        let ring_slope = DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * ridges * latewood.slope);
+        let ring_slope =
+            DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * ridges * latewood.slope);
         let roughness = 0.78 - 0.10 * late + 0.12 * end + 0.3 * streaks.shade.abs();
         let mut surface = TissueBlend {
             color,
