@@ -80,6 +80,7 @@ fn halves_of_a_bent_limb_slide_out_of_each_other() {
             ..Break::default()
         };
         (one.recipe.face.slab_height, one.recipe.face.slab_count) = (4.0, 12);
+        one.recipe.face.splinter_lean = 0.0;
         BreakRequest {
             texture_width: 16,
             ..BreakRequest::single(one)
