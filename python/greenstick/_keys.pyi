@@ -71,6 +71,7 @@ class RequestKeys(TypedDict, total=False):
     sliver_height: float | str
     fibre_height: float | str
     fuzz: float | str
+    splinter_lean: float | str
     step_height: float | str
     split: float | str
     compression_shelf: float | str
@@ -395,6 +396,11 @@ class RequestAttributes:
     @fuzz.setter
     def fuzz(self, value: float | str) -> None: ...
     @property
+    def splinter_lean(self) -> float:
+        """Mean angle by which slender splinters lean from the grain, each to a side of its own and with a bow of its own, as torn wood springs apart; thick ones lean less. Each half is bent by itself after it was cut: with 0 the halves fit exactly; otherwise splinters lie over each other where the halves are put together, and volumes change by some hundredths of a percent. Unit: degree."""
+    @splinter_lean.setter
+    def splinter_lean(self, value: float | str) -> None: ...
+    @property
     def step_height(self) -> float:
         """Height of the steps between neighbouring rings where the wood breaks brittle. The shear-lag length of the species over the radius is its natural value. Unit: radius."""
     @step_height.setter
@@ -472,29 +478,30 @@ class RequestAttributes:
         "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
         "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
         "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
-        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
-        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
-        "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
-        "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
-        "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
-        "sapwood.white_noise_amplitude", "sapwood.thorn_length", "sapwood.thorn_probability",
-        "phloem.perlin_amplitude", "phloem.perlin_frequency", "phloem.white_noise_amplitude",
-        "phloem.thorn_length", "phloem.thorn_probability", "bark.perlin_amplitude", "bark.perlin_frequency",
-        "bark.white_noise_amplitude", "bark.thorn_length", "bark.thorn_probability", "high.height",
-        "high.direction", "high.angle", "high.rings", "low.height", "low.direction", "low.angle", "low.rings",
-        "ductile.thorn_length", "ductile.thorn_probability", "ductile.direction", "ductile.angle",
-        "ductile.rings", "brittle.thorn_length", "brittle.thorn_probability", "crack_groups.distortion",
-        "crack_groups.large.direction", "crack_groups.large.spacing", "crack_groups.large.jitter",
-        "crack_groups.large.begin_min", "crack_groups.large.begin_max", "crack_groups.large.length_min",
-        "crack_groups.large.length_max", "crack_groups.large.depth_min", "crack_groups.large.depth_max",
-        "crack_groups.large.range_min", "crack_groups.large.range_max", "crack_groups.medium.direction",
-        "crack_groups.medium.spacing", "crack_groups.medium.jitter", "crack_groups.medium.begin_min",
-        "crack_groups.medium.begin_max", "crack_groups.medium.length_min", "crack_groups.medium.length_max",
-        "crack_groups.medium.depth_min", "crack_groups.medium.depth_max", "crack_groups.medium.range_min",
-        "crack_groups.medium.range_max", "crack_groups.small.direction", "crack_groups.small.spacing",
-        "crack_groups.small.jitter", "crack_groups.small.begin_min", "crack_groups.small.begin_max",
-        "crack_groups.small.length_min", "crack_groups.small.length_max", "crack_groups.small.depth_min",
-        "crack_groups.small.depth_max", "crack_groups.small.range_min", "crack_groups.small.range_max",
+        "splinter_lean", "step_height", "split", "compression_shelf", "compression_height", "bark_offset",
+        "bark_height", "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency",
+        "pith.white_noise_amplitude", "pith.thorn_length", "pith.thorn_probability",
+        "heartwood.perlin_amplitude", "heartwood.perlin_frequency", "heartwood.white_noise_amplitude",
+        "heartwood.thorn_length", "heartwood.thorn_probability", "sapwood.perlin_amplitude",
+        "sapwood.perlin_frequency", "sapwood.white_noise_amplitude", "sapwood.thorn_length",
+        "sapwood.thorn_probability", "phloem.perlin_amplitude", "phloem.perlin_frequency",
+        "phloem.white_noise_amplitude", "phloem.thorn_length", "phloem.thorn_probability",
+        "bark.perlin_amplitude", "bark.perlin_frequency", "bark.white_noise_amplitude", "bark.thorn_length",
+        "bark.thorn_probability", "high.height", "high.direction", "high.angle", "high.rings", "low.height",
+        "low.direction", "low.angle", "low.rings", "ductile.thorn_length", "ductile.thorn_probability",
+        "ductile.direction", "ductile.angle", "ductile.rings", "brittle.thorn_length",
+        "brittle.thorn_probability", "crack_groups.distortion", "crack_groups.large.direction",
+        "crack_groups.large.spacing", "crack_groups.large.jitter", "crack_groups.large.begin_min",
+        "crack_groups.large.begin_max", "crack_groups.large.length_min", "crack_groups.large.length_max",
+        "crack_groups.large.depth_min", "crack_groups.large.depth_max", "crack_groups.large.range_min",
+        "crack_groups.large.range_max", "crack_groups.medium.direction", "crack_groups.medium.spacing",
+        "crack_groups.medium.jitter", "crack_groups.medium.begin_min", "crack_groups.medium.begin_max",
+        "crack_groups.medium.length_min", "crack_groups.medium.length_max", "crack_groups.medium.depth_min",
+        "crack_groups.medium.depth_max", "crack_groups.medium.range_min", "crack_groups.medium.range_max",
+        "crack_groups.small.direction", "crack_groups.small.spacing", "crack_groups.small.jitter",
+        "crack_groups.small.begin_min", "crack_groups.small.begin_max", "crack_groups.small.length_min",
+        "crack_groups.small.length_max", "crack_groups.small.depth_min", "crack_groups.small.depth_max",
+        "crack_groups.small.range_min", "crack_groups.small.range_max",
     ]) -> float: ...
     @overload
     def __getitem__(self, key: Literal[
@@ -569,29 +576,30 @@ class RequestAttributes:
         "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
         "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
         "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
-        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
-        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
-        "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
-        "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
-        "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
-        "sapwood.white_noise_amplitude", "sapwood.thorn_length", "sapwood.thorn_probability",
-        "phloem.perlin_amplitude", "phloem.perlin_frequency", "phloem.white_noise_amplitude",
-        "phloem.thorn_length", "phloem.thorn_probability", "bark.perlin_amplitude", "bark.perlin_frequency",
-        "bark.white_noise_amplitude", "bark.thorn_length", "bark.thorn_probability", "high.height",
-        "high.direction", "high.angle", "high.rings", "low.height", "low.direction", "low.angle", "low.rings",
-        "ductile.thorn_length", "ductile.thorn_probability", "ductile.direction", "ductile.angle",
-        "ductile.rings", "brittle.thorn_length", "brittle.thorn_probability", "crack_groups.distortion",
-        "crack_groups.large.direction", "crack_groups.large.spacing", "crack_groups.large.jitter",
-        "crack_groups.large.begin_min", "crack_groups.large.begin_max", "crack_groups.large.length_min",
-        "crack_groups.large.length_max", "crack_groups.large.depth_min", "crack_groups.large.depth_max",
-        "crack_groups.large.range_min", "crack_groups.large.range_max", "crack_groups.medium.direction",
-        "crack_groups.medium.spacing", "crack_groups.medium.jitter", "crack_groups.medium.begin_min",
-        "crack_groups.medium.begin_max", "crack_groups.medium.length_min", "crack_groups.medium.length_max",
-        "crack_groups.medium.depth_min", "crack_groups.medium.depth_max", "crack_groups.medium.range_min",
-        "crack_groups.medium.range_max", "crack_groups.small.direction", "crack_groups.small.spacing",
-        "crack_groups.small.jitter", "crack_groups.small.begin_min", "crack_groups.small.begin_max",
-        "crack_groups.small.length_min", "crack_groups.small.length_max", "crack_groups.small.depth_min",
-        "crack_groups.small.depth_max", "crack_groups.small.range_min", "crack_groups.small.range_max",
+        "splinter_lean", "step_height", "split", "compression_shelf", "compression_height", "bark_offset",
+        "bark_height", "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency",
+        "pith.white_noise_amplitude", "pith.thorn_length", "pith.thorn_probability",
+        "heartwood.perlin_amplitude", "heartwood.perlin_frequency", "heartwood.white_noise_amplitude",
+        "heartwood.thorn_length", "heartwood.thorn_probability", "sapwood.perlin_amplitude",
+        "sapwood.perlin_frequency", "sapwood.white_noise_amplitude", "sapwood.thorn_length",
+        "sapwood.thorn_probability", "phloem.perlin_amplitude", "phloem.perlin_frequency",
+        "phloem.white_noise_amplitude", "phloem.thorn_length", "phloem.thorn_probability",
+        "bark.perlin_amplitude", "bark.perlin_frequency", "bark.white_noise_amplitude", "bark.thorn_length",
+        "bark.thorn_probability", "high.height", "high.direction", "high.angle", "high.rings", "low.height",
+        "low.direction", "low.angle", "low.rings", "ductile.thorn_length", "ductile.thorn_probability",
+        "ductile.direction", "ductile.angle", "ductile.rings", "brittle.thorn_length",
+        "brittle.thorn_probability", "crack_groups.distortion", "crack_groups.large.direction",
+        "crack_groups.large.spacing", "crack_groups.large.jitter", "crack_groups.large.begin_min",
+        "crack_groups.large.begin_max", "crack_groups.large.length_min", "crack_groups.large.length_max",
+        "crack_groups.large.depth_min", "crack_groups.large.depth_max", "crack_groups.large.range_min",
+        "crack_groups.large.range_max", "crack_groups.medium.direction", "crack_groups.medium.spacing",
+        "crack_groups.medium.jitter", "crack_groups.medium.begin_min", "crack_groups.medium.begin_max",
+        "crack_groups.medium.length_min", "crack_groups.medium.length_max", "crack_groups.medium.depth_min",
+        "crack_groups.medium.depth_max", "crack_groups.medium.range_min", "crack_groups.medium.range_max",
+        "crack_groups.small.direction", "crack_groups.small.spacing", "crack_groups.small.jitter",
+        "crack_groups.small.begin_min", "crack_groups.small.begin_max", "crack_groups.small.length_min",
+        "crack_groups.small.length_max", "crack_groups.small.depth_min", "crack_groups.small.depth_max",
+        "crack_groups.small.range_min", "crack_groups.small.range_max",
     ], value: float | str) -> None: ...
     @overload
     def __setitem__(self, key: Literal[

@@ -5,7 +5,7 @@ use crate::height_model::{NoiseSamplers, purpose, unit};
 use crate::layout::{FibreBundle, FibreBundles, wrap_angle};
 use crate::parameters::BreakParameters;
 use crate::slabs::{SectionPartition, SectionSpan, Slabs};
-use crate::strips::{Strips, torn_outline};
+use crate::strips::Strips;
 use crate::surface::{NONE, SectionLayout};
 use glam::DVec2;
 use greenstick_wood::noise;
@@ -64,6 +64,8 @@ pub(crate) struct TornEnd {
     pub fork_random: [f64; 2],
     /// Greatest height of that outline, radii.
     pub fork_height: f64,
+    /// How deep a cleft along the border of its sliver is there, 0 for none to about 1.
+    pub cleft: f64,
     /// Random numbers of its fibres.
     pub fibre_random: [f64; 3],
     /// Random numbers of its crushing, of its depth in a split, and of how far it is torn beside the shelf.
@@ -106,6 +108,14 @@ const FORKS: usize = 5;
 const MAX_FORKS: usize = 4000;
 /// Greatest length of such a part over its width.
 const FORK_SLENDERNESS: f64 = 7.0;
+/// Shares of the sides of slivers along rings and along rays that have a cleft, its width, radii, and the greatest part of a
+/// sliver's that it takes.
+const RING_CLEFTS: f64 = 0.45;
+const RAY_CLEFTS: f64 = 0.4;
+const CLEFT_WIDTH: f64 = 0.024;
+const CLEFT_SHARE: f64 = 0.4;
+/// Ring coordinates between which clefts end: wood under bark is torn as that is.
+const CLEFTS_END: (f64, f64) = (0.8, 0.88);
 /// How many steps of a ring follow each other along a radius's length of it.
 const STEPS_PER_RADIUS: f64 = 4.0;
 
@@ -239,6 +249,8 @@ impl TornEnds {
             fork: part as u32,
             fork_random: [fork(0), fork(1)],
             fork_height: FORK_SLENDERNESS * self.forks.region(part).size().0,
+            cleft: self.cleft(number, self.slivers.within(number, rho, wandered))
+                * (1.0 - noise::smoothstep(CLEFTS_END.0, CLEFTS_END.1, rho)),
             fibre_random: [1, 2, 3].map(|n| self.random(purpose::FIBRE, key, n)),
             crushed_random: [1, 7, 8].map(|n| self.random(purpose::SHELF, key, n)),
             step: noise::value_1d(
@@ -257,6 +269,30 @@ impl TornEnds {
             },
             string_random: [i64::from(bundle.ring), 1].map(|n| self.random(purpose::BARK, pair, n)),
         }
+    }
+
+    /// Returns how deep a cleft a sliver has at a point of it, −1 to 1 along the ring and across it. Wood parts along rings and
+    /// rays: what lay there stayed on the other piece, as a thin lath.
+    fn cleft(&self, sliver: usize, at: DVec2) -> f64 {
+        let (width, thickness) = self.slivers.region(sliver).size();
+        // Clefts are of one width, and leave most of a thin sliver as it is.
+        let border = |size: f64| 1.0 - (2.0 * CLEFT_WIDTH / size.max(1e-9)).min(CLEFT_SHARE);
+        let random = |k: i64| self.random(purpose::GROUP, sliver as i64, k);
+        let sides = [
+            (at.y, border(thickness), RING_CLEFTS),
+            (-at.y, border(thickness), RING_CLEFTS),
+            (at.x, border(width), RAY_CLEFTS),
+            (-at.x, border(width), RAY_CLEFTS),
+        ];
+        let depth = |(k, (place, from, share)): (i64, (f64, f64, f64))| {
+            let is_cleft = place > from && random(20 + k) < share;
+            if is_cleft {
+                0.3 + 0.7 * random(30 + k)
+            } else {
+                0.0
+            }
+        };
+        (0..).zip(sides).map(depth).fold(0.0, f64::max)
     }
 
     /// Finds the nodes of every bundle.
@@ -334,10 +370,10 @@ impl TornEnds {
         let off = wrap_angle(phi - bundle.phi);
         let along = (off / bundle.half_width.max(1e-9)).clamp(-1.0, 1.0);
         EndNode {
-            shared_outline: torn_outline(kind, self.slivers.within(number, rho, wandered).x),
-            fork_outline: torn_outline(fork_kind, self.forks.within(part, rho, wandered).x),
+            shared_outline: splinter_outline(kind, self.slivers.within(number, rho, wandered).x),
+            fork_outline: splinter_outline(fork_kind, self.forks.within(part, rho, wandered).x),
             slab: self.slabs.height(end.slab as usize, rho, wandered) - end.slab_heights.0,
-            own_outline: torn_outline(own_kind, along),
+            own_outline: splinter_outline(own_kind, along),
             raggedness: noise::unit(
                 seed(self.key.seed, purpose::SHAFT),
                 i64::from(cell),
@@ -346,6 +382,53 @@ impl TornEnds {
             ),
             ..none
         }
+    }
+}
+
+/// Shares of the ends of splinters that are broken off blunt, torn to one side, torn off on one side only, and pointed; the rest
+/// is frayed.
+const BLUNT: f64 = 0.3;
+const OBLIQUE: f64 = 0.24;
+const SHOULDERED: f64 = 0.18;
+const POINTED: f64 = 0.1;
+/// Height of the shoulder of a lath that was torn off on one side.
+const SHOULDER: f64 = 0.3;
+/// Drop across a blunt end.
+const BLUNT_DROP: f64 = 0.3;
+
+/// Returns the outline of a splinter's end, 0 to 1, over its width (`v` from −1 to 1). `kind` (0 to 1) selects a lath that is
+/// broken off blunt or torn to one side, one of which a part is gone, a point, or an end frayed into prongs.
+fn splinter_outline(kind: f64, v: f64) -> f64 {
+    let mut rest = kind;
+    let mut is_next = |share: f64| {
+        let inside = rest < share;
+        if !inside {
+            rest -= share;
+        }
+        inside.then_some(rest / share)
+    };
+    if let Some(k) = is_next(BLUNT) {
+        let drop = BLUNT_DROP * (2.0 * k - 1.0);
+        1.0 - (drop.abs() + drop * v) / 2.0
+    } else if let Some(k) = is_next(OBLIQUE) {
+        // The tip lies at an edge, but not all of the end is torn off.
+        let side = if k < 0.5 { v } else { -v };
+        ((1.2 + side) / 1.6).min(1.0)
+    } else if let Some(k) = is_next(SHOULDERED) {
+        let edge = 1.4 * (k - 0.5);
+        let side = if k < 0.5 { v - edge } else { edge - v };
+        SHOULDER + (1.0 - SHOULDER) * noise::smoothstep(-0.12, 0.12, side)
+    } else if let Some(k) = is_next(POINTED) {
+        let peak = 1.4 * (k - 0.5);
+        1.0 - (v - peak).abs() / (1.0 + peak.abs())
+    } else {
+        // Two or three prongs of different lengths.
+        let k = rest / (1.0 - BLUNT - OBLIQUE - SHOULDERED - POINTED);
+        let place = (1.0 + k) * (v + 1.0);
+        let prong = place.floor();
+        let tooth = 1.0 - (2.0 * (place - prong) - 1.0).abs();
+        let high = 0.55 + 0.45 * noise::unit(0, prong as i64, (k * 1e6) as i64, 0);
+        0.2 + 0.8 * high * (1.6 * tooth).min(1.0)
     }
 }
 
@@ -366,4 +449,33 @@ fn middle_of(bundles: &FibreBundles) -> (DVec2, f64) {
         (low + high) / 2.0,
         ((high - low).max_element() / 2.0).max(1e-9),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_of_splinters_are_of_many_kinds_and_within_bounds() {
+        const KINDS: i32 = 2000;
+        let (mut blunt, mut pointed) = (0, 0);
+        for i in 0..KINDS {
+            let kind = (f64::from(i) + 0.5) / f64::from(KINDS);
+            let outline: Vec<f64> = (-50..=50)
+                .map(|j| splinter_outline(kind, f64::from(j) / 50.0))
+                .collect();
+            let ends = |pick: fn(f64, f64) -> f64, start| outline.iter().copied().fold(start, pick);
+            let (low, high) = (ends(f64::min, 1.0), ends(f64::max, 0.0));
+            assert!(low >= 0.0 && high <= 1.0 + 1e-12, "{kind}: {low} to {high}");
+            blunt += i32::from(low >= 1.0 - BLUNT_DROP - 1e-12);
+            let width = outline.iter().filter(|&&h| h > high - 0.1).count();
+            pointed += i32::from(width < 15);
+        }
+        // Blunt ones are as frequent as they are to be, and spears are the exception.
+        assert!(
+            (f64::from(blunt) / f64::from(KINDS) - BLUNT).abs() < 0.01,
+            "{blunt}"
+        );
+        assert!(pointed < KINDS / 4, "{pointed}");
+    }
 }

@@ -124,7 +124,7 @@ impl Strips {
 
 /// Returns the outline of a torn end, 0 to 1, over its width (`v` from −1 to 1). `kind` (0 to 1) selects an end torn to one
 /// side, to a point or to two prongs.
-pub(crate) fn torn_outline(kind: f64, v: f64) -> f64 {
+fn torn_outline(kind: f64, v: f64) -> f64 {
     let (choice, rest) = (kind * 4.0, kind * 4.0 - (kind * 4.0).floor());
     if choice < 1.2 {
         (1.0 + v) / 2.0

@@ -7,7 +7,7 @@
 
 use crate::ends::{EndNode, TornEnd, TornEnds, wandering_angle};
 use crate::field::HeightField;
-use crate::height_model::{HeightModel, NoiseSamplers, unit};
+use crate::height_model::{HeightModel, NoiseSamplers, purpose, unit};
 use crate::layout::{FibreBundle, FibreBundles};
 use crate::parameters::ZoneParameters;
 use glam::DVec2;
@@ -94,7 +94,15 @@ const LAYER_SLIVERS: f64 = 0.09;
 const LAYER_ROOT: f64 = 0.04;
 const BARK_ROOT: f64 = 0.08;
 /// Width of the folds of crushed wood, radii, at most: with the usual heights their sides lie at 45° to 60° to the grain.
-const FOLD_WIDTH: f64 = 0.11;
+const FOLD_WIDTH: f64 = 0.17;
+/// Height of the folds over the compression height, and how rough crushed wood is beside them.
+const FOLD_HEIGHT: f64 = 1.5;
+const CRUSHED_ROUGHNESS: f64 = 0.4;
+/// Part of a fold's width over which it rises: fibres lean over to one side and break off on the other.
+const FOLD_RISE: f64 = 0.72;
+/// Depth of the deepest clefts between slivers over the heights by which slabs and slivers differ.
+const CLEFT_OF_SLABS: f64 = 0.5;
+const CLEFT_OF_SLIVERS: f64 = 1.1;
 /// Greatest length of a blade over its width.
 const MAX_SLENDERNESS: f64 = 9.0;
 
@@ -372,19 +380,24 @@ impl<'a> TornRelief<'a> {
         let [far, blade, off] = end.fibre_random;
         let fibre = relief * p.fibre_height * (0.25 + 0.75 * torn);
         let blade =
-            fibre * (0.6 + 5.0 * far * far * far * far * torn) + 0.25 * torn * length * blade;
+            fibre * (0.5 + 3.0 * far * far * far * far * torn) + 0.08 * torn * length * blade;
         let [drop, fork] = end.fork_random;
         let fork =
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
         let crushed =
-            p.compression_height * (1.1 * heavy(drop) + 0.5 * heavy(end.crushed_random[0]));
+            p.compression_height * (0.8 * heavy(drop) + 0.15 * heavy(end.crushed_random[0]));
         let slant = slab.slant * (torn * relief * p.slab_height);
         let torn_height = relief * p.slab_height * slab_height
             + up * (1.6 * length - 0.4 * p.sliver_height * relief * torn)
             + up * 0.6 * length * heavy(drop)
             + p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
             + fibre * (off - 0.5);
-        let base = level + torn * torn_height + (1.0 - torn) * crushed + slant.dot(at) - split;
+        let cleft = up
+            * end.cleft
+            * relief
+            * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
+        let base =
+            level + torn * (torn_height - cleft) + (1.0 - torn) * crushed + slant.dot(at) - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
         let width = 2.0 * bundle.half_width * rho;
         BundleHeight {
@@ -399,8 +412,8 @@ impl<'a> TornRelief<'a> {
             sliver: up * outline,
             fork: up * fork,
             slab: 0.35 * torn * relief * p.slab_height * (1.0 - 0.75 * short * short),
-            rough: torn * p.step_height + (1.0 - torn) * p.compression_height,
-            folds: (1.0 - torn) * 0.8 * p.compression_height,
+            rough: torn * p.step_height + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
+            folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
             noisy: true,
             blade: up * blade.min(3.0 * MAX_SLENDERNESS * width),
             bark: false,
@@ -461,9 +474,22 @@ impl<'a> TornRelief<'a> {
         if height <= 0.0 {
             return 0.0;
         }
-        let way = (at - self.ends.pith).dot(self.model.tension) / self.model.site.radius;
-        let place = way / FOLD_WIDTH + 0.5 * rough;
-        (2.0 * (place - place.floor()) - 1.0).abs()
+        let across = (at - self.ends.pith) / self.model.site.radius;
+        let seed = self.model.seed(purpose::ROUGH);
+        let winding = 0.8 * noise::gradient_2d(seed + 7, across * 1.6)
+            + 0.4 * noise::gradient_2d(seed + 8, across * 4.3)
+            + 0.06 * rough;
+        let place = across.dot(self.model.tension) / FOLD_WIDTH + 2.0 * winding;
+        let (fold, part) = (place.floor(), place - place.floor());
+        // No fold runs on for long.
+        let along = across.dot(self.model.tension.perp());
+        let high = noise::value_1d(seed + 9 + (fold as i64 & 0xff) as u64, 3.4 * along);
+        let rise = if part < FOLD_RISE {
+            part / FOLD_RISE
+        } else {
+            (1.0 - part) / (1.0 - FOLD_RISE)
+        };
+        rise * (0.55 + 0.45 * high)
     }
 
     /// Returns the height of a bundle's end at one of its nodes, which have `noises`.

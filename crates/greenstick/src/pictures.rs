@@ -260,6 +260,7 @@ fn view<'a>(broken: &Broken, wood: &'a BrokenWood) -> BreakView<'a> {
         material: wood.material,
         range: broken.report.face.range_m,
         width: wood.width,
+        long_side: view::long_side(&wood.stem, wood.material, &broken.scene, &broken.roles),
     }
 }
 

@@ -5,9 +5,11 @@
 //! three-sided blade of the wood that it is peeled off: it begins within that wood, lies along the grain, and lifts towards its
 //! free end. Together they are a mesh of their own beside the piece, so that the piece stays one closed solid.
 
+mod hinge;
 mod options;
 mod strand;
 
+pub use hinge::HingeOptions;
 pub use options::FuzzOptions;
 
 use glam::{DVec2, DVec3};
@@ -20,9 +22,9 @@ use strand::{Root, Strand, StrandMesh};
 /// Strands on each square metre of torn side grain with a fuzz of 1, on wood of the reference radius.
 const DENSITY: f64 = 9e5;
 /// Triangles of fuzz over those of its piece, at most, with a fuzz of 1.
-const MAX_SHARE: f64 = 1.2;
+const MAX_SHARE: f64 = 0.5;
 /// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
-const MEAN_TRIANGLES: f64 = 16.0;
+const MEAN_TRIANGLES: f64 = 12.5;
 /// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a
 /// picture of all of a log cannot show single fibres.
 const REFERENCE_RADIUS: f64 = 0.02;
@@ -49,7 +51,8 @@ struct Wall {
 }
 
 /// Makes the fuzz of a piece, which has the attributes of a broken face. It is empty where the face is not torn.
-pub fn fuzz(piece: &Mesh, options: &FuzzOptions) -> Mesh {
+/// With a `hinge`, it has the fibres of that, too.
+pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -> Mesh {
     let mut walls = walls(piece, options);
     let wanted: f64 = walls.iter().map(|wall| wall.strands).sum();
     let share = (MAX_SHARE * options.amount * piece.triangles.len() as f64) as usize;
@@ -60,6 +63,10 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions) -> Mesh {
         walls.iter_mut().for_each(|wall| wall.strands *= part);
     }
     let mut made = StrandMesh::new(options);
+    if let Some(hinge) = hinge {
+        hinge.add(&mut made, options.most_triangles);
+    }
+    let most = (most + made.triangles()).min(options.most_triangles);
     for wall in &walls {
         let Some(frame) = Frame::of(piece, wall.triangle) else {
             continue;
@@ -206,7 +213,7 @@ fn strand_on(
     let edge = ahead[0].max(ahead[1]).max(ahead[2]) - direction * of(weights, frame.grain).z;
     let beyond = size * (0.6e-3 + 3.2e-3 * random(15) * random(16));
     length = length.min(edge + beyond);
-    let width = size * (0.035e-3 + 0.06e-3 * random(8) * random(8)) + 0.012 * length * random(9);
+    let width = size * (0.045e-3 + 0.08e-3 * random(8) * random(8)) + 0.014 * length * random(9);
     // Most lie close, some stand off. Those beside each other bend to one side, so that they hardly cross, and all are bent.
     let loose = random(10);
     let lift = 0.02 + 0.3 * loose * loose * loose * loose;

@@ -12,6 +12,7 @@ pub mod fit;
 pub mod fray;
 mod fuzz;
 pub mod hang;
+pub mod lean;
 pub mod materials;
 pub mod prepared;
 #[cfg(feature = "rods")]

@@ -41,9 +41,9 @@ parameters! {
             /// nothing has this diameter.
             diameter: f64 = 1.0, number(Centimetre, 0.0, 500.0).symbol("D");
             /// Concentric circles on the section.
-            rings: u32 = 50, count(3, 400).symbol("N_ring").stage("layout");
+            rings: u32 = 48, count(3, 400).symbol("N_ring").stage("layout");
             /// Sectors of the section.
-            sectors: u32 = 160, count(10, 1000).symbol("N_sec").stage("layout");
+            sectors: u32 = 148, count(10, 1000).symbol("N_sec").stage("layout");
             /// Inclination of the broken face against the section.
             inclination: f64 = 0.0, number(Degree, 0.0, 90.0).symbol("φ");
             /// Direction in which the inclined face rises.
@@ -89,6 +89,10 @@ parameters! {
             /// Strands of torn fibre on the broken face, along the sides of its splinters and on their edges: 0 none, 1 as many
             /// as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out.
             fuzz: f64 = 0.5, number(Fraction, 0.0, 1.0);
+            /// Mean angle by which slender splinters lean from the grain, each to a side of its own and with a bow of its own, as torn
+            /// wood springs apart; thick ones lean less. Each half is bent by itself after it was cut: with 0 the halves fit exactly; otherwise
+            /// splinters lie over each other where the halves are put together, and volumes change by some hundredths of a percent.
+            splinter_lean: f64 = 0.0, number(Degree, 0.0, 20.0);
             /// Height of the steps between neighbouring rings where the wood breaks brittle. The
             /// shear-lag length of the species over the radius is its natural value.
             step_height: f64 = 0.15, number(Radius, 0.0, 20.0);

@@ -13,6 +13,7 @@ mod fraying;
 mod hanging;
 mod inside_out;
 mod kinds;
+mod leaning;
 mod one_inside;
 mod parting;
 #[cfg(feature = "files")]

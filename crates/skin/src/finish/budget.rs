@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn budgets_are_kept_and_used() {
-        assert_eq!(fitted(1_000_000, 100, 10).unwrap(), (50, 80_100, 1));
+        assert_eq!(fitted(1_000_000, 100, 10).unwrap(), (48, 71_140, 1));
         for most in [20_000, 5_000, 2_000, 1_000] {
             for fixed in [0, 400] {
                 let (_, added, made) = fitted(most, fixed, 10).unwrap();

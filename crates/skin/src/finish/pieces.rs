@@ -6,8 +6,9 @@ use super::parting::parting;
 use super::piece::{Piece, PieceRole, Pieces};
 use crate::error::BreakError;
 use crate::fray::FrayedBreak;
-use crate::fuzz::{FuzzOptions, fuzz};
-use crate::hang::hang;
+use crate::fuzz::{FuzzOptions, HingeOptions, fuzz};
+use crate::hang::{hang, wedge};
+use crate::lean::{LeanReport, LeaningPiece};
 use crate::report::{BreakNote, PieceReport};
 use crate::stages::{BreakStages, has_spiral_grain};
 use glam::DAffine3;
@@ -86,6 +87,7 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
             notes.push(BreakNote::NoSplinters);
         }
     }
+    let leans = lean(stages, &mut [&mut lower, &mut upper]);
     if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
         notes.push(BreakNote::NoSpiralGrain);
     }
@@ -113,9 +115,39 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         notes,
     };
     made.write_meshes(stages, meshes);
+    for (report, lean) in made.reports.iter_mut().zip(leans.into_iter().flatten()) {
+        report.lean = Some(lean);
+    }
     made.add_fuzz(stages, options.most_triangles);
     made.notes.extend(notes_on_cracks(stages));
     Ok(made)
+}
+
+/// Makes the splinters of both halves lean, and returns how they do.
+fn lean(stages: &BreakStages, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport; 2]> {
+    let p = &stages.stem.face;
+    if p.splinter_lean == 0.0 || p.surface == SurfaceStyle::Smooth {
+        return None;
+    }
+    let stem = stages.stem.stem();
+    let bend = |mesh: &Mesh, upper: bool| {
+        let straight = mesh.volume() * stem.volume_scale();
+        let mut leaned = LeaningPiece {
+            stem,
+            surface: &stages.heights.heights.surface,
+            cells: stages.layout.bundles.bundles.len(),
+            upper,
+            degrees: p.splinter_lean,
+            seed: p.seed,
+        }
+        .bend(mesh);
+        leaned.report.straight_volume_m3 = stem.closed_volume().0.then_some(straight);
+        leaned
+    };
+    let [lower, upper] = halves;
+    let (below, above) = rayon::join(|| bend(lower, false), || bend(upper, true));
+    (**lower, **upper) = (below.mesh, above.mesh);
+    Some([below.report, above.report])
 }
 
 /// The pieces without cracks. A face that is coarser than asked for is noted, and with it the skin has as few triangles as there
@@ -155,6 +187,7 @@ impl Pieces {
                 volume_m3: rounded.volume.map(|v| v * scale),
                 closed: rounded.closed,
                 fuzz_triangles: 0,
+                lean: None,
             };
             (role, mesh, motion, rounded.collapsed, report)
         };
@@ -191,6 +224,13 @@ impl Pieces {
         let room = most.map_or(usize::MAX, |most| {
             (most as usize).saturating_sub(added_triangles(stages, self))
         });
+        let upper = self
+            .pieces
+            .iter()
+            .find(|piece| piece.role == PieceRole::Upper);
+        let hinge = (self.hang.as_ref())
+            .and_then(|_| wedge(stem, p))
+            .zip(upper.map(|piece| piece.motion));
         let of_half = |piece: &Piece| {
             let upper = match piece.role {
                 PieceRole::Lower => false,
@@ -207,7 +247,18 @@ impl Pieces {
                 units_per_metre: 1.0 / stem.volume_scale().cbrt(),
                 seed: p.seed,
             };
-            let made = fuzz(&piece.mesh, &options);
+            let hinge = hinge
+                .filter(|_| !upper)
+                .map(|(wedge, motion)| HingeOptions {
+                    fuzz: options,
+                    layers: &stem.layers,
+                    transform: *stem.transform(),
+                    surface: &stages.heights.heights.surface,
+                    toward: wedge.toward,
+                    from: wedge.from,
+                    motion,
+                });
+            let made = fuzz(&piece.mesh, &options, hinge.as_ref());
             (!made.triangles.is_empty()).then(|| Arc::new(made))
         };
         let made: Vec<_> = self.pieces.par_iter().map(of_half).collect();

@@ -98,7 +98,7 @@ impl Splitter {
 }
 
 /// Adds a vertex at fraction `t` from one vertex to another, with their attributes.
-pub(super) fn push_vertex_between(mesh: &mut Mesh, a: u32, b: u32, t: f64) -> u32 {
+pub(crate) fn push_vertex_between(mesh: &mut Mesh, a: u32, b: u32, t: f64) -> u32 {
     let [p, q] = [a, b].map(|v| mesh.positions[v as usize]);
     mesh.positions.push(p.lerp(q, t));
     for (name, attribute) in &mut mesh.attributes {

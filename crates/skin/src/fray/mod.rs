@@ -4,6 +4,7 @@ mod bend;
 mod levels;
 
 pub use bend::{Bend, BendReport};
+pub(crate) use levels::push_vertex_between;
 
 use crate::broken::{BrokenFace, Cutter, FaceLayout, InnerWood};
 use crate::error::BreakError;

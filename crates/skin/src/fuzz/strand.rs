@@ -3,10 +3,11 @@
 use super::options::FuzzOptions;
 use glam::DVec3;
 use greenstick_geometry::{Attribute, Mesh};
+use greenstick_wood::tissue::Zone;
 
 /// Parts of a strand's length at which it has a cross section, and its width there: it swells out of the wood and tapers off. A
 /// short one bends too little to need as many.
-const SECTIONS: [(f64, f64); 4] = [(0.0, 0.75), (0.34, 1.0), (0.62, 0.8), (0.84, 0.5)];
+const SECTIONS: [(f64, f64); 3] = [(0.0, 0.75), (0.42, 1.0), (0.76, 0.65)];
 const SECTIONS_OF_SHORT: [(f64, f64); 2] = [(0.0, 0.8), (0.55, 1.0)];
 /// Widths below which a strand is short.
 const SHORT: f64 = 16.0;
@@ -79,6 +80,30 @@ impl Strand {
             self.lift + 2.0 * self.curl * part + DEPTH * self.thickness / self.length,
         ]
     }
+}
+
+/// A flat bundle of fibres of any curve, in the coordinates of the piece.
+pub(super) struct Ribbon {
+    /// Ring coordinate of its wood.
+    pub ring: f64,
+    pub sections: Vec<RibbonSection>,
+}
+
+impl Ribbon {
+    /// Number of its triangles.
+    pub fn triangles(&self) -> usize {
+        8 * (self.sections.len() - 1) + 4
+    }
+}
+
+/// A section of a ribbon.
+pub(super) struct RibbonSection {
+    pub place: DVec3,
+    /// Half its width and half its thickness.
+    pub flat: DVec3,
+    pub ridge: DVec3,
+    /// Grain coordinates of its wood, m.
+    pub grain: DVec3,
 }
 
 /// The mesh of all strands of a piece.
@@ -154,6 +179,41 @@ impl<'a> StrandMesh<'a> {
                 add([a, d, c]);
             }
             add([corner(last, side), corner(last, side + 1), tip]);
+        }
+    }
+
+    /// Adds a ribbon: a closed strip of four sides, whose edges are sharp and whose broad sides are rounded in the light.
+    pub fn add_ribbon(&mut self, ribbon: &Ribbon) {
+        let first = self.mesh.positions.len() as u32;
+        for section in &ribbon.sections {
+            let (flat, ridge) = (section.flat, section.ridge);
+            for (f, r) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                let at = (section.place + flat * f + ridge * r).as_vec3();
+                self.mesh.positions.push(at.as_dvec3());
+                let normal =
+                    ridge.normalize_or_zero() * r + flat.normalize_or_zero() * (f * ROUNDNESS);
+                self.normals
+                    .extend(normal.normalize_or_zero().as_vec3().to_array());
+                let texture = (self.options.square).side_grain(ribbon.ring, 0.0, section.grain.z);
+                self.coordinates.extend(texture.as_vec2().to_array());
+                self.grain.extend(section.grain.as_vec3().to_array());
+                self.rings.push(ribbon.ring.min(1.0) as f32);
+                self.sectors.push(0.0);
+                self.zones.push(f32::from(Zone::Sapwood.code()));
+            }
+        }
+        let corner = |section: usize, side: usize| first + (4 * section + side % 4) as u32;
+        let last = ribbon.sections.len() - 1;
+        let triangles = &mut self.mesh.triangles;
+        triangles.extend([[0, 2, 1], [0, 3, 2]].map(|t: [usize; 3]| t.map(|side| corner(0, side))));
+        triangles
+            .extend([[0, 1, 2], [0, 2, 3]].map(|t: [usize; 3]| t.map(|side| corner(last, side))));
+        for section in 0..last {
+            for side in 0..4 {
+                let [a, b] = [corner(section, side), corner(section, side + 1)];
+                let [c, d] = [corner(section + 1, side), corner(section + 1, side + 1)];
+                triangles.extend([[a, b, d], [a, d, c]]);
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! The report on a break and its parts, in numbers with units.
 
 use crate::hang::HangReport;
+use crate::lean::LeanReport;
 use greenstick_geometry::text::one_line;
 use greenstick_wood::scan::ScannedReport;
 use serde::{Deserialize, Serialize};
@@ -104,6 +105,9 @@ pub struct PieceReport {
     /// Triangles of its fuzz, a mesh of its own that the other figures leave out.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub fuzz_triangles: usize,
+    /// How its splinters lean, if they do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub lean: Option<LeanReport>,
 }
 
 /// Returns whether a piece has no fuzz, which its report then leaves out.
@@ -211,6 +215,11 @@ impl fmt::Display for BreakReport {
                 one_line(&piece.name),
                 piece.triangles
             )?;
+            if let Some(lean) = &piece.lean {
+                let straight = lean.straight_volume_m3.map(&volume);
+                let before = straight.map_or(String::new(), |v| format!("; {v} before"));
+                writeln!(f, "lean     {}: {lean}{before}", one_line(&piece.name))?;
+            }
         }
         let further = self.further_breaks.iter().map(|more| more.crack_volume_m3);
         for v in [self.crack_volume_m3].into_iter().chain(further).flatten() {

@@ -17,6 +17,12 @@ const STUB_QUANTILE: f64 = 0.85;
 const OPENED_DISTANCE: f64 = 1.2;
 /// How steeply an opened break is looked down on, rad.
 const ELEVATION: f64 = 0.5;
+/// Ratio of the sides of a section from which on it is flat.
+const FLAT: f64 = 2.2;
+/// How steeply the opened break of a flat stem is looked down on, rad, and how far its upper piece lies behind the lower one, in
+/// heights of the face that hide each other.
+const FLAT_ELEVATION: f64 = 0.7;
+const FLAT_DISTANCE: f64 = 0.8;
 /// Elevation of the camera over a break that hangs open, and its turn from the side, rad.
 const HANGING_ELEVATION: f64 = 0.22;
 const HANGING_TURN: f64 = 0.45;
@@ -32,6 +38,40 @@ pub struct BreakView<'a> {
     pub range: [f64; 2],
     /// Side of the square that holds the section, m.
     pub width: f64,
+    /// Direction of the long side of a flat section, as that of a board.
+    pub long_side: Option<DVec3>,
+}
+
+/// Returns the direction of the long side of the section of a broken stem with wood of a material inside, if it is flat. The nodes
+/// of the scene have these roles.
+pub fn long_side(stem: &Stem, material: u32, broken: &Scene, roles: &[NodeRole]) -> Option<DVec3> {
+    let lower = NodeRole::Piece(PieceRole::Lower);
+    let node = &broken.nodes[roles.iter().position(|&role| role == lower)?];
+    let frame = stem.grain.axis().frame(stem.location);
+    let mesh = &node.mesh;
+    let corners = (mesh.triangles.iter().enumerate())
+        .filter(|(t, _)| mesh.materials.get(*t) == Some(&material))
+        .flat_map(|(_, corners)| corners);
+    let flat: Vec<DVec2> = corners
+        .map(|&v| {
+            let off = node.transform.transform_point3(mesh.positions[v as usize]) - frame.origin;
+            DVec2::new(off.dot(frame.x), off.dot(frame.y))
+        })
+        .collect();
+    let count = flat.len().max(1) as f64;
+    let middle = flat.iter().sum::<DVec2>() / count;
+    // Second moments and the direction of the greater of the two principal ones.
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for off in flat.iter().map(|&p| p - middle) {
+        (xx, xy, yy) = (xx + off.x * off.x, xy + off.x * off.y, yy + off.y * off.y);
+    }
+    let half = (0.25 * (xx - yy) * (xx - yy) + xy * xy).sqrt();
+    let (most, least) = (0.5 * (xx + yy) + half, 0.5 * (xx + yy) - half);
+    if most < FLAT * FLAT * least || most <= 0.0 {
+        return None;
+    }
+    let (sin, cos) = libm::sincos(0.5 * libm::atan2(2.0 * xy, xx - yy));
+    Some(frame.x * cos + frame.y * sin)
 }
 
 /// A piece in a picture of a break.
@@ -136,8 +176,33 @@ impl BreakView<'_> {
         let end = if piece.is_upper { end } else { -end };
         let at = self.stem.grain.axis().frame(self.stem.location + end);
         let reach = 0.5 * self.width;
-        [DVec2::X, DVec2::Y, -DVec2::X, -DVec2::Y]
-            .map(|p| moved.transform_point3(at.origin + (at.x * p.x + at.y * p.y) * reach))
+        let middle = self.section_middle(piece, at_rest);
+        let sides = match self.long_side {
+            Some(long) => [long, -long, DVec3::ZERO, DVec3::ZERO],
+            None => [at.x, at.y, -at.x, -at.y],
+        };
+        sides.map(|side| moved.transform_point3(at.origin + middle + side * reach))
+    }
+
+    /// Returns the way from the axis to the middle of the section of a flat piece; none where it is not flat.
+    fn section_middle(&self, piece: &ViewedPiece, at_rest: &DAffine3) -> DVec3 {
+        let Some(long) = self.long_side else {
+            return DVec3::ZERO;
+        };
+        let origin = self.frame().origin;
+        let face = (piece.node.mesh.triangles.iter().enumerate())
+            .filter(|(t, _)| piece.node.mesh.materials.get(*t) == Some(&self.material))
+            .flat_map(|(_, corners)| corners)
+            .map(|&v| {
+                (at_rest.transform_point3(piece.node.mesh.positions[v as usize]) - origin).dot(long)
+            });
+        let (low, high) = face.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+            (l.min(x), h.max(x))
+        });
+        if low > high {
+            return DVec3::ZERO;
+        }
+        long * ((low + high) / 2.0)
     }
 
     /// Returns how a camera looks at the opened break, or at one whose upper piece hangs on a hinge of this direction.
@@ -145,7 +210,11 @@ impl BreakView<'_> {
         let frame = self.frame();
         let (direction, elevation) = match hinge {
             // Both faces look up, seen along the frame's y: they stand next to each other along its x, which runs to the right.
-            None => (frame.y, ELEVATION),
+            None => match self.long_side {
+                // One behind the other, each seen from its broad side.
+                Some(long) => (frame.tangent.cross(long), FLAT_ELEVATION),
+                None => (frame.y, ELEVATION),
+            },
             // Nearly along the hinge, from the side that opened.
             Some(axis) => {
                 let opened = axis.cross(frame.tangent) * -1.0;
@@ -190,9 +259,18 @@ impl BreakView<'_> {
     fn opening(&self) -> DAffine3 {
         let frame = self.frame();
         let [low, high] = self.range;
-        let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
         let centre = frame.origin + frame.tangent * ((low + high) / 2.0);
-        let aside = frame.x * (OPENED_DISTANCE * self.width);
+        let (about, aside) = match self.long_side {
+            Some(long) => {
+                let hidden = FLAT_DISTANCE * (high - low) / libm::tan(FLAT_ELEVATION);
+                (
+                    long,
+                    frame.tangent.cross(long) * (hidden + self.stem.radius),
+                )
+            }
+            None => (frame.y, frame.x * (OPENED_DISTANCE * self.width)),
+        };
+        let turn = DAffine3::from_axis_angle(about, std::f64::consts::PI);
         DAffine3::from_translation(centre + aside) * turn * DAffine3::from_translation(-centre)
     }
 }

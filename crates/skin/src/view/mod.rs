@@ -3,5 +3,5 @@
 mod broken;
 mod wood;
 
-pub use broken::{BreakView, Sight};
+pub use broken::{BreakView, Sight, long_side};
 pub use wood::{close_up, points_without_splinters};

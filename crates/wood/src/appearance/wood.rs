@@ -89,6 +89,9 @@ pub struct WoodAppearance {
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
+/// How much darker lines of latewood are on faces along the grain than across it, and how much higher they stand.
+const LINES_ALONG: f64 = 0.35;
+const RIDGES_ALONG: f64 = 1.5;
 /// How much darker the gaps of hairline splits are: blue most, as light there went through wood.
 const SPLIT_DARKENING: DVec3 = DVec3::new(0.62, 0.70, 0.78);
 /// How much less streaks show across the grain than along it.
@@ -243,12 +246,14 @@ impl WoodAppearance {
         );
         let late = latewood.darkness;
         let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
-        color *= mix(DVec3::ONE, darker, late);
+        // Across the grain latewood is as dark as it is; along it, its ridges stand in lines that catch the light.
+        let lines = 1.0 + LINES_ALONG * (1.0 - end);
+        color *= mix(DVec3::ONE, darker, late * lines).max(DVec3::splat(0.1));
         color *= 1.0 - END_GRAIN_DARKENING * end * (1.0 - 0.25 * late);
         color *= DVec3::ONE - DVec3::new(0.50, 0.58, 0.66) * vessel;
         // Rays shine pale across the end and as brown flecks along it.
         color *= mix(
-            DVec3::new(0.80, 0.74, 0.68),
+            DVec3::new(0.72, 0.65, 0.58),
             DVec3::new(1.22, 1.24, 1.26),
             end,
         ) * ray
@@ -257,11 +262,13 @@ impl WoodAppearance {
         color *= (DVec3::ONE + DVec3::new(1.0, 1.18, 1.45) * streaks.shade).max(DVec3::splat(0.1));
         color *= DVec3::ONE - SPLIT_DARKENING * gap;
 
+        let ridges = 1.0 + RIDGES_ALONG * (1.0 - end);
         let height = streaks.height
             + split.height
-            + (RING_RELIEF * late - 0.5 * self.vessel_diameter * vessel);
+            + (RING_RELIEF * ridges * late - 0.5 * self.vessel_diameter * vessel);
         let outward = address.across.normalize_or_zero();
-        let ring_slope = DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * latewood.slope);
+        let ring_slope =
+            DVec3::new(outward.x, outward.y, 0.0) * (RING_RELIEF * ridges * latewood.slope);
         let roughness = 0.78 - 0.10 * late + 0.12 * end + 0.3 * streaks.shade.abs();
         let mut surface = TissueBlend {
             color,

@@ -1,0 +1,154 @@
+//! Leaning splinters: pieces stay solids, halves fit where nothing leans, and splinters lean as much and to as many sides as they are
+//! asked to.
+
+use crate::support::{data::data, scanned_pole};
+use glam::{DVec2, DVec3};
+use greenstick::fracture::recipe::Recipe;
+use greenstick::geometry::{CheckOptions, Context, Scene};
+use greenstick::skin::lean::LeanReport;
+use greenstick::wood::stem::StemLocation;
+use greenstick::{Break, BreakRequest, Broken, break_scene, built_in_branch};
+use std::collections::HashMap;
+
+fn broken(scene: Scene, at: f64, settings: &[&str]) -> Broken {
+    let request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::single(Break {
+            place: StemLocation::Fraction(at),
+            recipe: Recipe::resolve(&[], None, settings).unwrap(),
+            ..Break::default()
+        })
+    };
+    break_scene(scene, &request, &Context::quiet()).unwrap()
+}
+
+fn leans(broken: &Broken) -> [LeanReport; 2] {
+    [0, 1].map(|i| broken.report.pieces[i].lean.expect("splinters lean"))
+}
+
+#[test]
+fn pieces_with_leaning_splinters_are_solids_of_nearly_the_same_volume() {
+    let read = |name: &str| greenstick::files::read(&data(name), None).unwrap();
+    for (name, scene, at) in [
+        ("branch", built_in_branch(), 0.5),
+        ("pole", scanned_pole(), 0.5),
+        ("dead tree", read("quaternius_DeadTree_1.gltf"), 0.1),
+        ("bare tree", read("kaykit_Tree_Bare_1_C_Color1.obj"), 0.5),
+    ] {
+        let [straight, leaning] = ["splinter_lean=0", "splinter_lean=6"]
+            .map(|lean| broken(scene.clone(), at, &["fuzz=0", lean]));
+        let splinters: usize = leans(&leaning).iter().map(|l| l.splinters).sum();
+        assert!(splinters > 20, "{name}: {splinters}");
+        for i in 0..2 {
+            let [before, after] = [&straight, &leaning].map(|b| &b.scene.nodes[i].mesh);
+            let [was, is] = [before, after].map(|mesh| mesh.check_with(CheckOptions::default()));
+            assert_eq!(
+                (is.closed, is.oriented),
+                (was.closed, was.oriented),
+                "{name}: {is}"
+            );
+            let crossings = |r: &greenstick::geometry::Report| {
+                r.self_intersections.as_ref().map_or(0, |s| s.crossing)
+            };
+            assert!(crossings(&is) <= crossings(&was), "{name}: {is}");
+            let change = after.volume() / before.volume() - 1.0;
+            assert!(change.abs() < 1e-3, "{name}: {change}");
+            let report = &leaning.report.pieces[i];
+            let told = report.lean.unwrap().straight_volume_m3;
+            if let (Some(told), Some(true_volume)) = (told, straight.report.pieces[i].volume_m3) {
+                assert!((told / true_volume - 1.0).abs() < 1e-6, "{name}: {told}");
+            }
+        }
+    }
+}
+
+/// Where vertices of a face have gone, by their grain coordinates as files have them: way in the section (m) and height (m).
+fn ways(straight: &Broken, leaning: &Broken, node: usize) -> Vec<(DVec2, f64)> {
+    let stem = &straight.woods[0].stem;
+    let frame = stem.grain.axis().frame(stem.location);
+    let material = straight.woods[0].material;
+    let places = |broken: &Broken| {
+        let mesh = &broken.scene.nodes[node].mesh;
+        let grain = &mesh.attributes["_GRAIN"];
+        let mut places: HashMap<[u32; 3], DVec3> = HashMap::new();
+        for (t, corners) in mesh.triangles.iter().enumerate() {
+            for &v in corners.iter().filter(|_| mesh.material(t) == material) {
+                let g = grain.at(v as usize);
+                let key = [g[0], g[1], g[2]].map(f32::to_bits);
+                places.insert(key, mesh.positions[v as usize]);
+            }
+        }
+        places
+    };
+    let (from, to) = (places(straight), places(leaning));
+    let mut ways: Vec<(DVec2, f64)> = (from.iter())
+        .filter_map(|(key, from)| {
+            let way = *to.get(key)? - *from;
+            assert!(way.dot(frame.tangent).abs() < 1e-6, "across the grain");
+            let height = f64::from(f32::from_bits(key[2])) - stem.location;
+            Some((DVec2::new(way.dot(frame.x), way.dot(frame.y)), height))
+        })
+        .collect();
+    ways.sort_by(|a, b| a.1.total_cmp(&b.1));
+    ways
+}
+
+#[test]
+fn splinters_lean_to_all_sides_as_much_as_asked_for() {
+    let branch = built_in_branch();
+    let straight = broken(branch.clone(), 0.5, &["fuzz=0", "splinter_lean=0"]);
+    assert!(straight.report.pieces.iter().all(|p| p.lean.is_none()));
+    let volumes = straight.report.pieces.iter().map(|p| p.volume_m3.unwrap());
+    let whole = straight.report.input.volume_m3.unwrap();
+    assert!((volumes.sum::<f64>() / whole - 1.0).abs() < 1e-6);
+    let mut means = Vec::new();
+    for degrees in [3.0, 6.0, 9.0] {
+        let lean = format!("splinter_lean={degrees}");
+        let leaning = broken(branch.clone(), 0.5, &["fuzz=0", &lean]);
+        for (i, report) in leans(&leaning).into_iter().enumerate() {
+            // Of those that lean, most are thin enough to lean as much as they are to; drawn are 0.6 to 1.4 of it.
+            let mean = report.mean_degrees / degrees;
+            assert!((0.55..1.1).contains(&mean), "{degrees}: {mean}");
+            assert!(
+                report.greatest_degrees < 1.75 * degrees,
+                "{}",
+                report.greatest_degrees
+            );
+            assert!(report.straight * 4 < report.splinters, "{report:?}");
+            means.push(report.mean_degrees);
+            // What has moved, seen from outside: no farther than the steepest splinter would take it from the lowest point.
+            let ways = ways(&straight, &leaning, i);
+            let sign = if i == 0 { 1.0 } else { -1.0 };
+            let foot = if i == 0 {
+                ways[0].1
+            } else {
+                ways[ways.len() - 1].1
+            };
+            let steepest = (1.4 * degrees).to_radians().tan() * 1.75;
+            let mut moved = Vec::new();
+            for (way, height) in &ways {
+                let over = sign * (height - foot);
+                assert!(way.length() <= steepest * over + 1e-6, "{way} at {over}");
+                if way.length() > 3e-5 * degrees {
+                    moved.push(way.normalize());
+                }
+            }
+            assert!(moved.len() > 500, "{} of {}", moved.len(), ways.len());
+            // To all sides: some to each of the four quarters.
+            for quarter in 0..4 {
+                let side = DVec2::from_angle(f64::from(quarter) * std::f64::consts::FRAC_PI_2);
+                let share = moved.iter().filter(|way| way.dot(side) > 0.7).count();
+                assert!(
+                    share * 33 > moved.len(),
+                    "{quarter}: {share} of {}",
+                    moved.len()
+                );
+            }
+        }
+    }
+    // Three times the lean, three times the angle, but for splinters that then would cross.
+    for i in 0..2 {
+        let ratio = means[4 + i] / means[i];
+        assert!((2.0..3.3).contains(&ratio), "{ratio}");
+    }
+}
