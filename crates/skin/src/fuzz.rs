@@ -21,8 +21,8 @@ use strand::{Root, Strand, StrandMesh};
 
 /// Strands on each square metre of torn side grain with a fuzz of 1, on wood of the reference radius.
 const DENSITY: f64 = 9e5;
-/// Triangles of fuzz over those of its piece, at most, with a fuzz of 1.
-const MAX_SHARE: f64 = 0.5;
+/// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1.
+const MAX_SHARE: f64 = 0.6;
 /// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
 const MEAN_TRIANGLES: f64 = 12.5;
 /// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a
@@ -55,7 +55,9 @@ struct Wall {
 pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -> Mesh {
     let mut walls = walls(piece, options);
     let wanted: f64 = walls.iter().map(|wall| wall.strands).sum();
-    let share = (MAX_SHARE * options.amount * piece.triangles.len() as f64) as usize;
+    let on_face = |&t: &usize| piece.material(t) == options.material;
+    let face = (0..piece.triangles.len()).filter(on_face).count();
+    let share = (MAX_SHARE * options.amount * face as f64) as usize;
     let most = share.min(options.most_triangles);
     let expected = wanted * MEAN_TRIANGLES;
     if expected > most as f64 {

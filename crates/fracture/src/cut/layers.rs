@@ -24,6 +24,13 @@ struct RankedVertex {
     rank: Rank,
 }
 
+/// Corners of a part of a triangle, or nothing where two of them are one.
+#[inline]
+fn whole(part: &[RankedVertex; 3]) -> Option<[u32; 3]> {
+    let [a, b, c] = part.map(|v| v.id);
+    (a != b && b != c && c != a).then_some([a, b, c])
+}
+
 /// The levels that a triangle with such corners crosses.
 #[inline]
 fn crossed(corners: [RankedVertex; 3]) -> Option<Crossed> {
@@ -188,12 +195,12 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
     /// Adds a triangle to the face, split at the levels that it crosses.
     fn split(&mut self, t: [RankedVertex; 3]) {
         let Some(levels) = crossed(t) else {
-            return self.cut.cap.push(t.map(|v| v.id));
+            self.cut.cap.extend(whole(&t));
+            return;
         };
         let (parts, count) = self.parts(t, levels.first);
         if levels.only {
-            let parts = parts[..count].iter();
-            self.cut.cap.extend(parts.map(|part| part.map(|v| v.id)));
+            self.cut.cap.extend(parts[..count].iter().filter_map(whole));
         } else {
             parts[..count].iter().for_each(|part| self.split(*part));
         }
@@ -240,6 +247,14 @@ impl<R: Fn(f64) -> Rank> LevelSplitter<'_, R> {
         let t = (level - p.z) / (q.z - p.z);
         let mut p = p.lerp(q, t);
         p.z = level;
+        // Narrow triangles that end closely beside a level may cross it in one place.
+        let mut at = first;
+        while let Some(known) = self.made.get(at as usize) {
+            if known.of.1 == number as u32 && self.cut.grain(self.points, known.id) == p {
+                return RankedVertex { id: known.id, rank };
+            }
+            at = known.before;
+        }
         self.cut.inside.push(p);
         self.cut.nodes.push(NONE);
         self.ranks.push(rank);

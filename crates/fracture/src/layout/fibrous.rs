@@ -139,6 +139,9 @@ struct LayoutBuilder {
     tips: Vec<u32>,
 }
 
+/// Least distance of the edge of an annual ring from the skin of a stem without bark, radii, for a boundary of bundles to lie there.
+const LEAST_DEPTH: f64 = 0.01;
+
 /// Least number of bundles in a ring around the pith.
 const MIN_BUNDLES: usize = 5;
 
@@ -166,7 +169,15 @@ fn bands(options: &LayoutOptions) -> Vec<RingBand> {
     for b in &mut bounds {
         *b = start + (*b - start) / total * (wood - start);
     }
-    let at_rings = snap_to_rings(&mut bounds, &options.ring_edges);
+    // The last ring of a stem without bark ends at its skin: a boundary there would run along it.
+    let outermost = if around && options.bark.is_none() {
+        1.0 - LEAST_DEPTH
+    } else {
+        f64::INFINITY
+    };
+    let ring_edges = &options.ring_edges;
+    let within = ring_edges.partition_point(|&edge| edge < outermost);
+    let at_rings = snap_to_rings(&mut bounds, &ring_edges[..within]);
     if options.bark.is_some() {
         bounds.push(options.reach.1);
     }

@@ -45,7 +45,7 @@ fn position_key(p: DVec3) -> [u32; 3] {
 /// Triangles with all corners at `known` positions are left as they are. Snap positions to `f32` first
 /// ([`super::snap_to_f32`]).
 pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Collapsed {
-    resolve(mesh, known, &Topology::of(mesh))
+    resolve(mesh, known, Topology::of(mesh)).0
 }
 
 /// A mesh that was rounded to the precision of files.
@@ -62,11 +62,9 @@ pub struct Rounded {
 /// Snaps a mesh to `f32` ([`super::snap_to_f32`]), resolves its self-intersections ([`resolve_self_intersections`]) and
 /// measures the outcome ([`Mesh::closed_volume`]), finding its points and edges once.
 pub fn round_to_f32(mesh: &mut Mesh, inner: u32, known: &KnownPositions) -> Rounded {
-    let mut topology = snap_with_topology(mesh, inner);
-    let collapsed = resolve(mesh, known, &topology);
-    if collapsed.edges > 0 {
-        topology = Topology::of(mesh);
-    }
+    let topology = snap_with_topology(mesh, inner);
+    let (collapsed, topology) = resolve(mesh, known, topology);
+    let topology = topology.unwrap_or_else(|| Topology::of(mesh));
     let (closed, volume) = mesh.closed_volume_with(&topology);
     Rounded {
         collapsed,
@@ -75,7 +73,13 @@ pub fn round_to_f32(mesh: &mut Mesh, inner: u32, known: &KnownPositions) -> Roun
     }
 }
 
-fn resolve(mesh: &mut Mesh, known: &KnownPositions, topology: &Topology) -> Collapsed {
+/// Returns the topology again where nothing was collapsed. Otherwise it is dropped before the mesh is copied: of a large mesh it takes
+/// as much memory.
+fn resolve(
+    mesh: &mut Mesh,
+    known: &KnownPositions,
+    topology: Topology,
+) -> (Collapsed, Option<Topology>) {
     let (low, high) = mesh
         .positions
         .iter()
@@ -89,15 +93,16 @@ fn resolve(mesh: &mut Mesh, known: &KnownPositions, topology: &Topology) -> Coll
         .iter()
         .map(|t| !t.iter().all(|&v| is_known[v as usize]))
         .collect();
-    let mut faults = faults_among(mesh, &is_ours, topology);
+    let mut faults = faults_among(mesh, &is_ours, &topology);
     let mut done = Collapsed {
         faults: faults.len(),
         remaining: faults.len(),
         ..Collapsed::default()
     };
     if faults.is_empty() || !extent.is_finite() {
-        return done;
+        return (done, Some(topology));
     }
+    drop(topology);
     let mut collapser = EdgeCollapser::from_mesh(mesh);
     let is_faulty = |collapser: &EdgeCollapser, t: u32| {
         is_ours[t as usize] && (collapser.is_degenerate(t) || collapser.is_non_manifold(t))
@@ -131,7 +136,7 @@ fn resolve(mesh: &mut Mesh, known: &KnownPositions, topology: &Topology) -> Coll
     }
     collapser.write_back(mesh);
     done.remaining = faults.len();
-    done
+    (done, None)
 }
 
 /// Returns the faults of the triangles that are `chosen`: pairs that cross, then as pairs with themselves those without

@@ -4,6 +4,7 @@ use super::budget::added_triangles;
 use super::notes::{notes_on_cracks, notes_up_to_the_cut};
 use super::parting::parting;
 use super::piece::{Piece, PieceRole, Pieces};
+use crate::broken::InnerWood;
 use crate::error::BreakError;
 use crate::fray::FrayedBreak;
 use crate::fuzz::{FuzzOptions, HingeOptions, fuzz};
@@ -62,30 +63,8 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     };
     let mut splinters = Vec::new();
     if options.fray > 0.0 {
-        let amount = options.fray.min(1.0);
-        let made = FrayedBreak {
-            stem,
-            layout: &stages.layout,
-            heights: &stages.heights.heights,
-            inner,
-            pieces: [&lower, &upper],
-            amount,
-            separation: options.separation,
-            seed: p.seed,
-        }
-        .fray()?;
-        [lower, upper] = made.pieces;
-        for (role, report) in [PieceRole::Lower, PieceRole::Upper].iter().zip(made.bends) {
-            notes.push(BreakNote::Bent {
-                piece: role.name(),
-                report,
-                requested: amount,
-            });
-        }
-        splinters = made.splinters;
-        if splinters.is_empty() {
-            notes.push(BreakNote::NoSplinters);
-        }
+        let halves = [&lower, &upper];
+        ([lower, upper], splinters) = frayed(stages, options, inner, halves, &mut notes)?;
     }
     let leans = lean(stages, &mut [&mut lower, &mut upper]);
     if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
@@ -121,6 +100,42 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     made.add_fuzz(stages, options.most_triangles);
     made.notes.extend(notes_on_cracks(stages));
     Ok(made)
+}
+
+/// A mesh and how it has moved.
+type MovedMesh = (Mesh, DAffine3);
+
+/// Returns both halves with their splinters bent, and the splinters that came loose.
+fn frayed(
+    stages: &BreakStages,
+    options: &FinishOptions,
+    inner: InnerWood,
+    pieces: [&Mesh; 2],
+    notes: &mut Vec<BreakNote>,
+) -> Result<([Mesh; 2], Vec<MovedMesh>), BreakError> {
+    let amount = options.fray.min(1.0);
+    let made = FrayedBreak {
+        stem: stages.stem.stem(),
+        layout: &stages.layout,
+        heights: &stages.heights.heights,
+        inner,
+        pieces,
+        amount,
+        separation: options.separation,
+        seed: stages.stem.face.seed,
+    }
+    .fray()?;
+    for (role, report) in [PieceRole::Lower, PieceRole::Upper].iter().zip(made.bends) {
+        notes.push(BreakNote::Bent {
+            piece: role.name(),
+            report,
+            requested: amount,
+        });
+    }
+    if made.splinters.is_empty() {
+        notes.push(BreakNote::NoSplinters);
+    }
+    Ok((made.pieces, made.splinters))
 }
 
 /// Makes the splinters of both halves lean, and returns how they do.

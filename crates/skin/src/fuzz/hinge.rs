@@ -98,24 +98,15 @@ impl HingeOptions<'_> {
         let from_lower = random(6) < 0.5;
         let reaches = if torn { 0.25 + 0.5 * random(7) } else { 1.0 };
         let curve = |t: f64| {
-            // Cubic Hermite.
-            let (t2, t3) = (t * t, t * t * t);
-            start * (2.0 * t3 - 3.0 * t2 + 1.0)
-                + along * (chord * (t3 - 2.0 * t2 + t))
-                + end * (3.0 * t2 - 2.0 * t3)
-                + onward * (chord * (t3 - t2))
-                + sag * (4.0 * t * (1.0 - t))
+            let tangents = [along * chord, onward * chord];
+            hermite([start, end], tangents, t) + sag * (4.0 * t * (1.0 - t))
         };
         let mut places = vec![start - along * root];
         let way = |i: i32| f64::from(i) / f64::from(SECTIONS - 1) * reaches;
-        places.extend((0..SECTIONS).map(|i| {
-            curve(if from_lower || !torn {
-                way(i)
-            } else {
-                1.0 - way(i)
-            })
-        }));
-        if torn && !from_lower {
+        let turned = torn && !from_lower;
+        let along_it = |i| if turned { 1.0 - way(i) } else { way(i) };
+        places.extend((0..SECTIONS).map(|i| curve(along_it(i))));
+        if turned {
             places[0] = end + onward * root;
         }
         if !torn {
@@ -150,4 +141,13 @@ impl HingeOptions<'_> {
             sections: places.iter().enumerate().map(section).collect(),
         })
     }
+}
+
+/// Returns a point of the cubic Hermite curve between two points, at a fraction of the way.
+fn hermite(points: [DVec3; 2], tangents: [DVec3; 2], t: f64) -> DVec3 {
+    let (t2, t3) = (t * t, t * t * t);
+    points[0] * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + tangents[0] * (t3 - 2.0 * t2 + t)
+        + points[1] * (3.0 * t2 - 2.0 * t3)
+        + tangents[1] * (t3 - t2)
 }
