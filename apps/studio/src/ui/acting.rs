@@ -7,7 +7,7 @@ use crate::model::input::Input;
 use crate::model::units::ShownUnit;
 use crate::platform::{Lane, Opened};
 use crate::view::camera::AxisView;
-use crate::view::renderer::Colours;
+use crate::view::frame::Colours;
 use eframe::egui;
 use greenstick::RequestFile;
 use greenstick::schema::Value;

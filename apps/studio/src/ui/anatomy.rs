@@ -1,7 +1,8 @@
 //! The section browser: a section across the stem at a height that is dragged, its rings, and rings that are dragged to where they
 //! truly are.
 
-use super::breaks::ACCENT;
+use super::anatomy_view::AnatomyView;
+use super::colours::ACCENT;
 use super::section_picture::{
     Lie, board_picture, paint_angles, paint_pin, paint_ring, paint_scale, paint_wood,
 };
@@ -13,7 +14,7 @@ use crate::model::section_book::{SectionBook, SectionRings, StemSection};
 use crate::model::units::ShownUnit;
 use eframe::egui::{
     self, Color32, CursorIcon, Grid, PointerButton, Pos2, Rect, RichText, Sense, Stroke,
-    TextureHandle, TextureOptions, Ui, Vec2,
+    TextureOptions, Ui, Vec2,
 };
 use greenstick::wood::tissue::Zone;
 use std::collections::BTreeSet;
@@ -26,33 +27,6 @@ const WHEEL: f32 = 0.004;
 const NEAREST: f32 = 40.0;
 /// Height of the chart of ring widths, points.
 const CHART: f32 = 62.0;
-
-/// The section browser.
-#[derive(Default)]
-pub struct AnatomyView {
-    /// Whether it is open.
-    pub open: bool,
-    /// The sections, with a number that tells books apart, or why there are none.
-    book: Option<Result<(u64, Arc<SectionBook>), String>>,
-    /// The section that is shown; none for that of the break.
-    at: Option<usize>,
-    /// The rings of the section that was drawn last.
-    rings: Option<(u64, usize, Arc<SectionRings>)>,
-    /// The picture of a board's section, with what it shows.
-    board: Option<(u64, usize, Vec<f64>, TextureHandle)>,
-    /// The ring that is held, and the edges of all rings before.
-    held: Option<(usize, Vec<f64>)>,
-    /// Edges that were dragged, until an answer has them.
-    edges: Option<Vec<f64>>,
-    /// How near the section is, and by how much it is shifted, points.
-    near: Option<(f32, Vec2)>,
-    /// The ring over which the pointer was, from 0.
-    over: Option<usize>,
-    /// Where the section's picture was drawn.
-    pub(super) lie: Option<(Rect, Lie)>,
-    /// Whether the pointer holds the section on the stem.
-    pub(super) holds_section: bool,
-}
 
 /// What is drawn of a section.
 struct Scene {

@@ -1,14 +1,13 @@
 //! Several breaks of one stem: the bar that selects one of them, and their numbers in the picture.
 
 use super::actions::Action;
+use super::colours::ACCENT;
 use super::studio::Studio;
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Ui};
 use greenstick::wood::stem::StemLocation;
 
 /// Radius of a number's disc in the picture, points.
 const DISC: f32 = 10.0;
-/// The colour of what acts on the wood.
-pub(super) const ACCENT: Color32 = Color32::from_rgb(255, 140, 40);
 /// Places, as parts of the length, at which another break is tried, the last of those that are farthest from all others and from the ends.
 const CANDIDATE_PLACES: [f64; 7] = [0.875, 0.625, 0.375, 0.125, 0.25, 0.75, 0.5];
 

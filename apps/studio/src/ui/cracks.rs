@@ -1,6 +1,7 @@
 //! Placing drying cracks by hand: a drag over the wood makes one, and its dots are dragged.
 
-use super::breaks::ACCENT;
+use super::colours::ACCENT;
+use super::crack_tool::Held;
 use super::studio::Studio;
 use crate::model::placed_cracks::{
     CrackEndPoint, CrackFace, Polar, course, crack_of_drag, depth, describe, dragged_to, with_depth,
@@ -18,26 +19,6 @@ const HOLD: f32 = 10.0;
 const BARK: f32 = 0.96;
 /// Least depth of a crack that begins on the bark, radii.
 const SHALLOWEST: f32 = 0.3;
-
-/// What the pointer holds.
-#[derive(Debug, Clone)]
-enum Held {
-    /// A crack that is being drawn: where it began, and the height there over the break's, m. Its number, once it is there.
-    New(Polar, f32, Option<usize>),
-    /// A part of a crack, at a height over the break's, m.
-    Part(usize, CrackEndPoint, f32),
-}
-
-/// The tool that places cracks.
-#[derive(Default)]
-pub struct CrackTool {
-    /// Whether it is on.
-    pub on: bool,
-    selected: Option<usize>,
-    held: Option<Held>,
-    /// The face that cracks are drawn on, by the number of what is drawn and the break.
-    face: Option<(u64, usize, Option<Arc<CrackFace>>)>,
-}
 
 impl Studio {
     /// Switches the tool on or off.

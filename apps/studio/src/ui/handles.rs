@@ -1,6 +1,6 @@
 //! The handle on the wood that tilts the break.
 
-use super::breaks::ACCENT;
+use super::colours::ACCENT;
 use super::studio::Studio;
 use crate::model::tilt::{Tilt, TiltHandle};
 use eframe::egui::{self, Color32, Pos2, Rect, Stroke, Ui, Vec2};

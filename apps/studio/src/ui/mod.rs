@@ -2,10 +2,13 @@
 
 mod acting;
 mod actions;
-pub mod anatomy;
+mod anatomy;
+mod anatomy_view;
 mod answers;
 mod breaks;
 mod charts;
+mod colours;
+mod crack_tool;
 mod cracks;
 mod dialog;
 mod dialogs;
@@ -13,6 +16,7 @@ mod file_dialog;
 mod gallery;
 mod handles;
 mod menu;
+mod parameter_values;
 mod parameters;
 mod photograph;
 mod photograph_view;

@@ -1,6 +1,6 @@
 //! The picture of a section: its wood ring by ring, its outline, angles about the pith, and a scale.
 
-use super::breaks::ACCENT;
+use super::colours::ACCENT;
 use crate::model::look::WoodLook;
 use crate::model::section_book::{SectionRings, StemSection};
 use crate::model::units::{ShownUnit, round_length};

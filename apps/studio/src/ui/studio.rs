@@ -1,7 +1,7 @@
 //! The state of the window, and what happens from frame to frame.
 
-use super::anatomy::AnatomyView;
-use super::cracks::CrackTool;
+use super::anatomy_view::AnatomyView;
+use super::crack_tool::CrackTool;
 use super::dialog::Dialog;
 use super::photograph_view::PhotographView;
 use super::simulation_view::SimulationView;
@@ -14,7 +14,8 @@ use crate::model::project_file::{ProjectFile, SavedRings, SavedView};
 use crate::model::section::{Plane, SectionFaces};
 use crate::platform::{Opened, Platform, Settings};
 use crate::view::camera::Camera;
-use crate::view::renderer::{Colours, Renderer};
+use crate::view::frame::Colours;
+use crate::view::renderer::Renderer;
 use eframe::egui;
 use glam::Vec3;
 use greenstick::RequestFile;

@@ -1,12 +1,12 @@
 //! The viewport: turning, shifting, going nearer, and clicking where it shall break.
 
 use super::actions::Action;
-use super::breaks::ACCENT;
+use super::colours::ACCENT;
 use super::studio::{Section, Studio};
 use crate::model::section::{Plane, SectionFaces, section_faces};
 use crate::platform::Lane;
+use crate::view::frame::{Colours, View};
 use crate::view::pick::{Picked, pick};
-use crate::view::renderer::{Colours, View};
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, Event, FontId, MouseWheelUnit, PointerButton, Pos2, Rect,
     RichText, Sense, Ui, Vec2,

@@ -1,6 +1,6 @@
 //! The numbers that the shader takes: those of a frame, and those of a surface.
 
-use super::renderer::View;
+use super::frame::View;
 use super::resources::SHADOW_SIDE;
 use crate::model::meshes::{Batch, Shading};
 use bytemuck::{Pod, Zeroable};

@@ -149,30 +149,49 @@ fn pipeline(
     })
 }
 
-impl Pipelines {
-    /// The pipelines for a window of this format.
-    pub fn new(device: &wgpu::Device, window: wgpu::TextureFormat) -> Self {
-        let module = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
+/// The layouts of the groups.
+struct Layouts {
+    globals: wgpu::BindGroupLayout,
+    /// Of what draws the shadow map and the distances, which cannot read them.
+    only_numbers: wgpu::BindGroupLayout,
+    wood: wgpu::BindGroupLayout,
+    material: wgpu::BindGroupLayout,
+    copy: wgpu::BindGroupLayout,
+}
+
+impl Layouts {
+    fn new(device: &wgpu::Device) -> Self {
         let layout = |entries: &[wgpu::BindGroupLayoutEntry]| {
             device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: None,
                 entries,
             })
         };
-        let globals = layout(&[
-            uniform(0),
-            texture(1, wgpu::TextureSampleType::Depth),
-            sampler(2, wgpu::SamplerBindingType::Comparison),
-            texture(3, EXACT),
-        ]);
-        // What draws the shadow map and the distances cannot read them.
-        let only_numbers = layout(&[uniform(0)]);
-        let wood = layout(&[uniform(0), texture(1, EXACT), texture(2, EXACT)]);
         let filtering = wgpu::SamplerBindingType::Filtering;
-        let material = layout(&[uniform(0), texture(1, FILTERED), sampler(2, filtering)]);
-        let copy = layout(&[texture(0, FILTERED), sampler(1, filtering)]);
+        Layouts {
+            globals: layout(&[
+                uniform(0),
+                texture(1, wgpu::TextureSampleType::Depth),
+                sampler(2, wgpu::SamplerBindingType::Comparison),
+                texture(3, EXACT),
+            ]),
+            only_numbers: layout(&[uniform(0)]),
+            wood: layout(&[uniform(0), texture(1, EXACT), texture(2, EXACT)]),
+            material: layout(&[uniform(0), texture(1, FILTERED), sampler(2, filtering)]),
+            copy: layout(&[texture(0, FILTERED), sampler(1, filtering)]),
+        }
+    }
+}
+
+impl Pipelines {
+    /// The pipelines for a window of this format.
+    pub fn new(device: &wgpu::Device, window: wgpu::TextureFormat) -> Self {
+        let module = device.create_shader_module(wgpu::include_wgsl!("shader.wgsl"));
+        let layouts = Layouts::new(device);
+        let globals = [Some(&layouts.globals)];
+        let only_numbers = [Some(&layouts.only_numbers)];
         let surface = Plan {
-            layouts: &[Some(&globals), Some(&wood), Some(&material)],
+            layouts: &[globals[0], Some(&layouts.wood), Some(&layouts.material)],
             vertex: "vertex_main",
             fragment: Some("fragment_main"),
             vertices: Some(true),
@@ -187,7 +206,7 @@ impl Pipelines {
         let encoded = names[usize::from(window.is_srgb())];
         Pipelines {
             shadow: make(Plan {
-                layouts: &[Some(&only_numbers)],
+                layouts: &only_numbers,
                 vertex: "vertex_shadow",
                 fragment: Some("fragment_shadow"),
                 vertices: Some(false),
@@ -196,7 +215,7 @@ impl Pipelines {
                 ..surface
             }),
             distance: make(Plan {
-                layouts: &[Some(&only_numbers)],
+                layouts: &only_numbers,
                 vertex: "vertex_distance",
                 fragment: Some("fragment_distance"),
                 vertices: Some(false),
@@ -204,7 +223,7 @@ impl Pipelines {
                 ..surface
             }),
             lines: make(Plan {
-                layouts: &[Some(&globals)],
+                layouts: &globals,
                 vertex: "vertex_line",
                 fragment: Some("fragment_line"),
                 vertices: Some(false),
@@ -214,7 +233,7 @@ impl Pipelines {
                 ..surface
             }),
             background: make(Plan {
-                layouts: &[Some(&globals)],
+                layouts: &globals,
                 vertex: "vertex_screen",
                 fragment: Some("fragment_background"),
                 vertices: None,
@@ -222,7 +241,7 @@ impl Pipelines {
                 ..surface
             }),
             to_window: make(Plan {
-                layouts: &[Some(&copy)],
+                layouts: &[Some(&layouts.copy)],
                 vertex: "vertex_screen",
                 fragment: Some(encoded),
                 vertices: None,
@@ -232,10 +251,10 @@ impl Pipelines {
                 ..surface
             }),
             surface: make(surface),
-            globals,
-            wood,
-            material,
-            copy,
+            globals: layouts.globals,
+            wood: layouts.wood,
+            material: layouts.material,
+            copy: layouts.copy,
         }
     }
 

@@ -9,7 +9,8 @@ use greenstick_studio::model::input::Input;
 use greenstick_studio::model::meshes::DrawnScene;
 use greenstick_studio::model::section::{Plane, SectionFaces, section_faces};
 use greenstick_studio::view::camera::{AxisView, Camera};
-use greenstick_studio::view::renderer::{Colours, Renderer, View};
+use greenstick_studio::view::frame::{Colours, View};
+use greenstick_studio::view::renderer::Renderer;
 use std::sync::Arc;
 
 const SIDE: u32 = 256;

@@ -1,0 +1,24 @@
+//! What the tool that places drying cracks holds.
+
+use crate::model::placed_cracks::{CrackEndPoint, CrackFace, Polar};
+use std::sync::Arc;
+
+/// What the pointer holds.
+#[derive(Debug, Clone)]
+pub(super) enum Held {
+    /// A crack that is being drawn: where it began, and the height there over the break's, m. Its number, once it is there.
+    New(Polar, f32, Option<usize>),
+    /// A part of a crack, at a height over the break's, m.
+    Part(usize, CrackEndPoint, f32),
+}
+
+/// The tool that places cracks.
+#[derive(Default)]
+pub struct CrackTool {
+    /// Whether it is on.
+    pub on: bool,
+    pub(super) selected: Option<usize>,
+    pub(super) held: Option<Held>,
+    /// The face that cracks are drawn on, by the number of what is drawn and the break.
+    pub(super) face: Option<(u64, usize, Option<Arc<CrackFace>>)>,
+}
