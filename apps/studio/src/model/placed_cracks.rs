@@ -25,6 +25,8 @@ const DEPTHS: (f64, f64) = (0.01, 40.0);
 const CELLS: usize = 40;
 /// Cells to every side over which heights are averaged.
 const REACH: i32 = 2;
+/// Steps in which a ray is followed over the face.
+const STEPS: u16 = 256;
 /// Points along a course.
 const POINTS: usize = 25;
 
@@ -242,8 +244,67 @@ impl CrackFace {
 
     /// The height of the face at a place of the section, m over the break's.
     pub fn height(&self, place: Polar) -> f32 {
-        let across = self.look.point(place.0, place.1);
-        cell(across, self.half).map_or(0.0, |c| self.heights[c])
+        self.height_across(self.look.point(place.0, place.1))
+    }
+
+    /// The height of the face at grain coordinates, between those of the cells around them.
+    fn height_across(&self, across: Vec2) -> f32 {
+        let at = (across / self.half * 0.5 + 0.5) * CELLS as f32 - 0.5;
+        let at = at.clamp(Vec2::ZERO, Vec2::splat(CELLS as f32 - 1.0));
+        let low = at.floor().min(Vec2::splat(CELLS as f32 - 2.0));
+        let part = at - low;
+        let height = |dx, dy| self.heights[(low.y as usize + dy) * CELLS + low.x as usize + dx];
+        let row = |dy| height(0, dy) + (height(1, dy) - height(0, dy)) * part.x;
+        row(0) + (row(1) - row(0)) * part.y
+    }
+
+    /// Where a ray (origin and direction) first meets the face as cracks are drawn on it, and the height there over the break's. None
+    /// where it comes from the side, below the edge of the face.
+    pub fn seen(&self, (origin, direction): (Vec3, Vec3)) -> Option<(Polar, f32)> {
+        let axes = [self.at.across[0], self.at.across[1], self.at.along];
+        let local = |v: Vec3| Vec3::from(axes.map(|axis| axis.dot(v)));
+        let (origin, direction) = (local(origin - self.place), local(direction));
+        let start = (f32::INFINITY, f32::NEG_INFINITY);
+        let heights = self.heights.iter();
+        let (bottom, top) = heights.fold(start, |(a, b), h| (a.min(*h), b.max(*h)));
+        let margin = 0.01 * self.at.radius;
+        let low = Vec3::new(-self.half, -self.half, bottom - margin);
+        let high = Vec3::new(self.half, self.half, top + margin);
+        let (a, b) = ((low - origin) / direction, (high - origin) / direction);
+        let (first, last) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
+        let over = |t: f32| {
+            let p = origin + direction * t;
+            let across = p.truncate();
+            (self.polar(across).0 <= 1.0).then(|| p.z - self.height_across(across))
+        };
+        let mut above = None;
+        for step in 0..=STEPS {
+            let t = first + (last - first) * f32::from(step) / f32::from(STEPS);
+            match (over(t), above) {
+                (None, _) => above = None,
+                (Some(height), _) if height > 0.0 => above = Some(t),
+                (Some(_), None) => return None,
+                (Some(_), Some(before)) => {
+                    let (mut before, mut after) = (before, t);
+                    for _ in 0..12 {
+                        let middle = 0.5 * (before + after);
+                        match over(middle) {
+                            Some(height) if height > 0.0 => before = middle,
+                            _ => after = middle,
+                        }
+                    }
+                    let p = origin + direction * after;
+                    return Some((self.polar(p.truncate()), p.z));
+                }
+            }
+        }
+        None
+    }
+
+    /// Whether who looks in a direction sees the bark at an angle from outside.
+    pub fn is_outside(&self, angle: f32, direction: Vec3) -> bool {
+        let out = self.at.across[0] * angle.cos() + self.at.across[1] * angle.sin();
+        out.dot(direction) < 0.0
     }
 
     /// The point of the picture at a place of the section, and a height over the break's.
@@ -385,8 +446,7 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_ray_picks_the_place_that_is_drawn_under_it() {
+    fn drawn() -> DrawnScene {
         let job = Job {
             input: Input::built_in(),
             file: RequestFile::default(),
@@ -394,7 +454,12 @@ mod tests {
             sections_of: None,
         };
         let shown = Engine::default().work(&job, &mut |_| {}, &Context::quiet());
-        let drawn = shown.unwrap().unwrap().drawn;
+        shown.unwrap().unwrap().drawn
+    }
+
+    #[test]
+    fn a_ray_picks_the_place_that_is_drawn_under_it() {
+        let drawn = drawn();
         let face = CrackFace::new(&drawn, 0).unwrap();
         for place in [(0.3, 0.4), (0.8, -2.0), (0.97, 3.0)] {
             let height = 0.2 * face.radius();
@@ -407,5 +472,45 @@ mod tests {
             let met = face.height_met(point - side * 3.0, side, place).unwrap();
             assert!((met - height).abs() < 1e-4, "{met} {height}");
         }
+    }
+
+    #[test]
+    fn a_drag_along_a_ray_is_a_radial_crack_whatever_the_heights_of_the_face_are() {
+        let drawn = drawn();
+        let face = CrackFace::new(&drawn, 0).unwrap();
+        let close = |a: Polar, b: Polar| {
+            let section = |p: Polar| Vec2::from_angle(p.1) * p.0;
+            section(a).distance(section(b)) < 0.02
+        };
+        let mut seen = 0;
+        for (lean, turn) in [
+            (0.0f32, 0.0f32),
+            (0.4, 0.0),
+            (0.4, 2.0),
+            (1.0, 4.0),
+            (1.3, 1.0),
+        ] {
+            let side = face.at.across[0] * turn.cos() + face.at.across[1] * turn.sin();
+            let direction = side * lean.sin() - face.along() * lean.cos();
+            let under = |place: Polar| {
+                let point = face.point(place, face.height(place));
+                face.seen((point - direction * 60.0 * face.radius(), direction))
+            };
+            for angle in (0..12).map(|k| f32::from(k as u8) * 0.5) {
+                let (from, to) = ((0.3, angle), (0.8, angle));
+                let (Some(a), Some(b)) = (under(from), under(to)) else {
+                    continue;
+                };
+                // What lies behind a higher part of the face cannot be dragged over.
+                if !(close(a.0, from) && close(b.0, to)) {
+                    assert!(lean > 0.0, "{a:?} {b:?} at {angle}");
+                    continue;
+                }
+                seen += 1;
+                let (_, begin, end) = radial(&crack_of_drag(a.0, b.0));
+                assert!((begin - 0.3).abs() < 0.03 && (end - 0.8).abs() < 0.03);
+            }
+        }
+        assert!(seen > 24, "{seen}");
     }
 }

@@ -6,7 +6,8 @@ use std::sync::Arc;
 /// What the pointer holds.
 #[derive(Debug, Clone)]
 pub(super) enum Held {
-    /// A crack that is being drawn: where it began, and the height there over the break's, m. Its number, once it is there.
+    /// A crack that is being drawn: where it began on the piece below, and the height there over the break's, m. Its number,
+    /// once it is there.
     New(Polar, f32, Option<usize>),
     /// A part of a crack, at a height over the break's, m.
     Part(usize, CrackEndPoint, f32),

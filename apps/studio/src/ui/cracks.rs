@@ -6,9 +6,8 @@ use super::studio::Studio;
 use crate::model::placed_cracks::{
     CrackEndPoint, CrackFace, Polar, course, crack_of_drag, depth, describe, dragged_to, with_depth,
 };
-use crate::view::pick::Picked;
+use crate::view::pick::{Picked, pick};
 use eframe::egui::{self, Color32, Key, Modifiers, Pos2, Rect, RichText, Shape, Stroke, Ui, Vec2};
-use glam::Vec3;
 use greenstick::fracture::parameters::{Crack, CrackEnd};
 use std::sync::Arc;
 
@@ -186,12 +185,27 @@ impl Studio {
         true
     }
 
-    /// The place in the section and the height over the break's, m, of what is under the pointer on the stem.
+    /// The place in the section and the height over the break's, m, of what is under the pointer on the piece below the break. On
+    /// its face this is the point of the surface that cracks are drawn on, so that neither splinters nor the gaps between them
+    /// displace it; what hangs down from the piece above is looked through.
     fn place_on_face(&self, rect: Rect, face: &CrackFace, pos: Pos2) -> Option<(Polar, f32)> {
-        let Picked { grain, .. } = self.picked(rect, pos)?;
-        let grain: Vec3 = grain?;
+        let drawn = &self.drawn.as_ref()?.1;
+        let number = self.project.selected().unwrap_or(0);
+        let ray = self.ray_at(rect, pos);
+        let picked = pick(drawn, ray, Some(drawn.piece_below(number)?));
+        let picked = picked.and_then(|picked| self.grain_place(face, &picked));
+        let is_bark = |place: &Polar| place.0 >= BARK && face.is_outside(place.1, ray.1);
+        match picked {
+            Some((place, _)) if is_bark(&place) => picked,
+            _ => face.seen(ray).or(picked),
+        }
+    }
+
+    /// The place in the section and the height over the break's, m, of a point of the stem.
+    fn grain_place(&self, face: &CrackFace, picked: &Picked) -> Option<(Polar, f32)> {
         let number = self.project.selected().unwrap_or(0);
         let at = self.drawn.as_ref()?.1.breaks.get(number)?.length;
+        let grain = picked.grain?;
         Some((face.polar(grain.truncate()), grain.z - at))
     }
 
@@ -233,7 +247,9 @@ impl Studio {
             self.cracks.selected = Some(number);
             return;
         }
-        let place = self.place_on_face(rect, &face, pos);
+        // A click on another piece places a crack as well: it is the same wood.
+        let elsewhere = || self.grain_place(&face, &self.picked(rect, pos)?);
+        let place = self.place_on_face(rect, &face, pos).or_else(elsewhere);
         let (Some((place, height)), None) = (place, self.why_no_cracks()) else {
             self.said = self
                 .why_no_cracks()
@@ -252,17 +268,17 @@ impl Studio {
     }
 
     fn move_crack(&mut self, rect: Rect, face: &CrackFace, held: Held, pos: Pos2, now: f64) {
-        let aspect = rect.width() / rect.height().max(1.0);
-        let at = super::viewport::picture_point(rect, pos);
-        let (origin, direction) = self.camera.ray(at, aspect);
+        let (origin, direction) = self.ray_at(rect, pos);
         let (number, crack) = match held {
             Held::New(from, height, number) => {
                 let on_bark = from.0 >= BARK;
                 let under = self.place_on_face(rect, face, pos);
+                // Beside the stem, the face goes on at the height where the drag began.
+                let beside = || Some((face.met(origin, direction, height)?, height));
                 let to = if on_bark {
                     under
                 } else {
-                    face.met(origin, direction, height).map(|to| (to, height))
+                    under.or_else(beside)
                 };
                 let Some(to) = to else { return };
                 let number = number.unwrap_or(self.project.placed_cracks().len());

@@ -19,7 +19,7 @@ pub(super) enum Edit {
     Rest,
 }
 
-/// The widgets of a parameter's value. Those who read the window aloud call it by `name`; lengths are shown in `unit`.
+/// The widgets of a parameter's value. They are labelled by the widget `name`, and lengths are shown in `unit`.
 pub(super) fn value(
     ui: &mut Ui,
     p: &ParameterInfo,

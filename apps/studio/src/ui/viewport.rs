@@ -310,11 +310,16 @@ impl Studio {
         }
     }
 
+    /// The ray under a point of the window: its origin and direction.
+    pub(super) fn ray_at(&self, rect: Rect, pos: Pos2) -> (glam::Vec3, glam::Vec3) {
+        let aspect = rect.width() / rect.height().max(1.0);
+        self.camera.ray(picture_point(rect, pos), aspect)
+    }
+
+    /// What is seen at a point of the window.
     pub(super) fn picked(&self, rect: Rect, pos: Pos2) -> Option<Picked> {
         let (_, drawn) = self.drawn.as_ref()?;
-        let aspect = rect.width() / rect.height().max(1.0);
-        let (origin, direction) = self.camera.ray(picture_point(rect, pos), aspect);
-        pick(drawn, origin, direction)
+        pick(drawn, self.ray_at(rect, pos), None)
     }
 
     /// Where a point of the picture lies on the unbroken stem, in the coordinates of its file, m.

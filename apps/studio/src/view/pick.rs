@@ -14,11 +14,19 @@ pub struct Picked {
     pub piece: usize,
 }
 
-/// Returns the nearest point of a scene on a ray.
-pub fn pick(scene: &DrawnScene, origin: Vec3, direction: Vec3) -> Option<Picked> {
+/// Returns the nearest point of a scene on a ray; `only` looks through all pieces but one.
+pub fn pick(
+    scene: &DrawnScene,
+    (origin, direction): (Vec3, Vec3),
+    only: Option<usize>,
+) -> Option<Picked> {
     let mut nearest: Option<(f32, Picked)> = None;
     for corners in scene.indices.as_chunks::<3>().0 {
         let v = corners.map(|i| &scene.vertices[i as usize]);
+        let piece = v[0].zone_piece[1] as usize;
+        if only.is_some_and(|only| piece != only) {
+            continue;
+        }
         let p = v.map(|v| Vec3::from_array(v.position));
         let Some((t, [u, w])) = meet(origin, direction, p) else {
             continue;
@@ -31,7 +39,7 @@ pub fn pick(scene: &DrawnScene, origin: Vec3, direction: Vec3) -> Option<Picked>
         let picked = Picked {
             position: origin + direction * t,
             grain: on_stem.then(|| grain[0] * (1.0 - u - w) + grain[1] * u + grain[2] * w),
-            piece: v[0].zone_piece[1] as usize,
+            piece,
         };
         nearest = Some((t, picked));
     }
