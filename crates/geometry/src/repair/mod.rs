@@ -6,6 +6,7 @@ mod collapse;
 mod seams;
 mod self_intersections;
 mod snap;
+mod touching;
 mod untangle;
 
 pub use bisection::{EdgeBisector, crossing_pairs, crossing_pairs_within};

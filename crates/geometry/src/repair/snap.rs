@@ -1,10 +1,11 @@
 //! Snaps a mesh to the precision of files: detail too fine for `f32` is removed, and the mesh stays closed.
 
+use super::touching::{inexact, part_touching};
 use crate::Mesh;
 use crate::components::Topology;
 use rustc_hash::FxHashMap;
 
-/// Rounds positions to `f32`, removes triangles two of whose corners then coincide, and removes pairs of triangles that
+/// Rounds positions to `f32`, parts points without an edge between them that then coincide, removes triangles two of whose corners then coincide, and removes pairs of triangles that
 /// then lie back to back if at least one of the two has the material `inner`; other such pairs come from the input and
 /// stay. Each step leaves every edge with as many triangles in one direction as in the other, so a closed mesh stays
 /// closed.
@@ -14,10 +15,16 @@ pub fn snap_to_f32(mesh: &mut Mesh, inner: u32) {
 
 /// As [`snap_to_f32`]. Returns the points and edges of the outcome.
 pub(super) fn snap_with_topology(mesh: &mut Mesh, inner: u32) -> Topology {
+    let before = inexact(mesh);
     for p in &mut mesh.positions {
         *p = p.as_vec3().as_dvec3();
     }
-    let topology = Topology::of(mesh);
+    let mut topology = Topology::of(mesh);
+    if part_touching(mesh, &topology.points, &before) {
+        drop(topology);
+        topology = Topology::of(mesh);
+    }
+    let topology = topology;
     let points = &topology.points;
     let corners = |i: usize| mesh.triangles[i].map(|v| points[v as usize]);
     let is_inner = |i: usize| mesh.material(i) == inner;

@@ -1,0 +1,167 @@
+//! Points that rounding brings to one position although no edge joins them: left there, two sheets of a surface would hang together in a
+//! point or along an edge that belongs to four triangles.
+
+use crate::Mesh;
+use crate::unions::Unions;
+use glam::DVec3;
+use rustc_hash::FxHashMap;
+
+/// Positions that are not those of `f32`, with the vertices that have them, ascending.
+pub(super) fn inexact(mesh: &Mesh) -> Vec<(u32, DVec3)> {
+    let numbered = (0..).zip(&mesh.positions);
+    let inexact = numbered.filter(|(_, p)| p.as_vec3().as_dvec3() != **p);
+    inexact.map(|(v, p)| (v, *p)).collect()
+}
+
+/// Vertices of one point that had one position before rounding, or are joined to such by an edge that is gone.
+struct Sheet {
+    /// Where they were.
+    from: DVec3,
+    vertices: Vec<u32>,
+}
+
+/// Moves points of a rounded mesh apart that rounding has brought together without an edge between them, by one step of `f32` towards
+/// where they were. `points` are the numbers of the vertices' points, `before` is what [`inexact`] gave. Returns whether any moved.
+pub(super) fn part_touching(mesh: &mut Mesh, points: &[u32], before: &[(u32, DVec3)]) -> bool {
+    let mut groups: FxHashMap<u32, Vec<Sheet>> = FxHashMap::default();
+    for &(v, from) in before {
+        add(groups.entry(points[v as usize]).or_default(), v, from);
+    }
+    let mut moved = before.iter().map(|b| b.0).peekable();
+    for (v, &point) in (0..).zip(points) {
+        if moved.next_if_eq(&v).is_none()
+            && let Some(sheets) = groups.get_mut(&point)
+        {
+            add(sheets, v, mesh.positions[v as usize]);
+        }
+    }
+    groups.retain(|_, sheets| sheets.len() > 1);
+    if groups.is_empty() {
+        return false;
+    }
+    join_along_edges(mesh, points, &mut groups);
+    groups.retain(|_, sheets| sheets.len() > 1);
+    let mut groups: Vec<(u32, Vec<Sheet>)> = groups.into_iter().collect();
+    groups.sort_by_key(|g| g.0);
+    for (_, mut sheets) in groups.iter_mut().map(|(p, s)| (p, std::mem::take(s))) {
+        // What lies at the rounded position stays there.
+        let at = mesh.positions[sheets[0].vertices[0] as usize];
+        sheets.sort_by(|a, b| {
+            let off = |s: &Sheet| s.from.distance_squared(at);
+            off(a).total_cmp(&off(b)).then(a.vertices.cmp(&b.vertices))
+        });
+        for sheet in &sheets[1..] {
+            let to = step_towards(at, sheet.from);
+            for &v in &sheet.vertices {
+                mesh.positions[v as usize] = to;
+            }
+        }
+    }
+    !groups.is_empty()
+}
+
+fn add(sheets: &mut Vec<Sheet>, vertex: u32, from: DVec3) {
+    match sheets.iter_mut().find(|s| s.from == from) {
+        Some(sheet) => sheet.vertices.push(vertex),
+        None => sheets.push(Sheet {
+            from,
+            vertices: vec![vertex],
+        }),
+    }
+}
+
+/// Joins the sheets of each point that an edge between two of its vertices joins: what collapses to a point is one.
+fn join_along_edges(mesh: &Mesh, points: &[u32], groups: &mut FxHashMap<u32, Vec<Sheet>>) {
+    let mut joined: FxHashMap<u32, Vec<[u32; 2]>> = FxHashMap::default();
+    for t in &mesh.triangles {
+        for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            let point = points[a as usize];
+            if point == points[b as usize] && groups.contains_key(&point) {
+                joined.entry(point).or_default().push([a, b]);
+            }
+        }
+    }
+    for (point, edges) in joined {
+        let Some(sheets) = groups.get_mut(&point) else {
+            continue;
+        };
+        let number = |v: u32| sheets.iter().position(|s| s.vertices.contains(&v));
+        let mut sets = Unions::new(sheets.len());
+        for [a, b] in edges {
+            if let (Some(a), Some(b)) = (number(a), number(b)) {
+                sets.join(a as u32, b as u32);
+            }
+        }
+        for i in (0..sheets.len()).rev() {
+            let root = sets.root(i as u32) as usize;
+            if root != i {
+                let sheet = sheets.remove(i);
+                sheets[root].vertices.extend(sheet.vertices);
+            }
+        }
+    }
+}
+
+/// Returns the neighbour of a position of `f32` along the axis on which `from` is farthest from it.
+fn step_towards(at: DVec3, from: DVec3) -> DVec3 {
+    let off = from - at;
+    let axis = (0..3).fold(0, |best, k| {
+        if off[k].abs() > off[best].abs() {
+            k
+        } else {
+            best
+        }
+    });
+    let mut to = at;
+    let near = at[axis] as f32;
+    let next = if off[axis] > 0.0 {
+        near.next_up()
+    } else {
+        near.next_down()
+    };
+    to[axis] = f64::from(next);
+    to
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::snap_to_f32;
+    use super::*;
+
+    /// A tetrahedron on three points and a top.
+    fn tetrahedron(base: [DVec3; 3], top: DVec3) -> Mesh {
+        let [a, b, c] = base;
+        let outwards = (b - a).cross(c - a).dot(top - a) > 0.0;
+        let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        Mesh {
+            positions: vec![a, b, c, top],
+            triangles: triangles
+                .map(|[a, b, c]| if outwards { [a, b, c] } else { [a, c, b] })
+                .to_vec(),
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn sheets_that_rounding_brings_together_along_an_edge_are_parted() {
+        // An edge of each lies along y, 1e-9 apart.
+        let [p, q] = [DVec3::new(1.0, 0.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
+        let off = DVec3::X * 1e-9;
+        let left = tetrahedron([p, q, DVec3::new(0.0, 0.5, 0.0)], DVec3::new(0.3, 0.5, 1.0));
+        let right = [p + off, q + off, DVec3::new(2.0, 0.5, 0.0)];
+        let right = tetrahedron(right, DVec3::new(1.7, 0.5, 1.0));
+        let mut both = left.clone();
+        let count = both.positions.len() as u32;
+        both.positions.extend(&right.positions);
+        let shifted = right.triangles.iter().map(|t| t.map(|v| v + count));
+        both.triangles.extend(shifted);
+        assert!(both.check().is_solid());
+        snap_to_f32(&mut both, 0);
+        let report = both.check();
+        assert!(
+            report.is_solid() && report.non_manifold_vertices == 0,
+            "{report}"
+        );
+        assert_eq!(both.positions[4].x, f64::from(1.0f32.next_up()));
+    }
+}
