@@ -64,6 +64,7 @@ fn draw(share: f64, now: f64, (min, max): (f64, f64), scale: Scale) -> f64 {
 mod tests {
     use super::*;
     use greenstick::RequestFile;
+    use greenstick::fracture::parameters::BreakParameters;
 
     #[test]
     fn what_is_locked_stays_and_the_rest_is_valid() {
@@ -73,8 +74,10 @@ mod tests {
             randomise(&mut file, &locked, seed);
             file.check().unwrap();
             let face = &file.common.recipe.face;
-            assert_eq!((face.inclination, face.seed, face.rings), (0.0, 1, 50));
-            assert_ne!(face.slab_height, 0.8);
+            let usual = BreakParameters::default();
+            assert_eq!((face.inclination, face.seed), (0.0, 1));
+            assert_eq!((face.rings, face.sectors), (usual.rings, usual.sectors));
+            assert_ne!(face.slab_height, usual.slab_height);
         }
     }
 }

@@ -120,4 +120,41 @@ mod tests {
         assert_eq!((mesh.triangles.len(), report.degenerate_triangles), (4, 0));
         assert!(report.is_solid(), "{report}");
     }
+
+    /// A tetrahedron on three points and a top.
+    fn tetrahedron(base: [DVec3; 3], top: DVec3) -> Mesh {
+        let [a, b, c] = base;
+        let outwards = (b - a).cross(c - a).dot(top - a) > 0.0;
+        let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+        Mesh {
+            positions: vec![a, b, c, top],
+            triangles: triangles
+                .map(|[a, b, c]| if outwards { [a, b, c] } else { [a, c, b] })
+                .to_vec(),
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn sheets_that_rounding_brings_together_along_an_edge_are_parted() {
+        // An edge of each lies along y, 1e-9 apart.
+        let [p, q] = [DVec3::new(1.0, 0.0, 0.0), DVec3::new(1.0, 1.0, 0.0)];
+        let off = DVec3::X * 1e-9;
+        let left = tetrahedron([p, q, DVec3::new(0.0, 0.5, 0.0)], DVec3::new(0.3, 0.5, 1.0));
+        let right = [p + off, q + off, DVec3::new(2.0, 0.5, 0.0)];
+        let right = tetrahedron(right, DVec3::new(1.7, 0.5, 1.0));
+        let mut both = left.clone();
+        let count = both.positions.len() as u32;
+        both.positions.extend(&right.positions);
+        let shifted = right.triangles.iter().map(|t| t.map(|v| v + count));
+        both.triangles.extend(shifted);
+        assert!(both.check().is_solid());
+        snap_to_f32(&mut both, 0);
+        let report = both.check();
+        assert!(
+            report.is_solid() && report.non_manifold_vertices == 0,
+            "{report}"
+        );
+        assert_eq!(both.positions[4].x, f64::from(1.0f32.next_up()));
+    }
 }
