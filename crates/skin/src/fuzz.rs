@@ -22,7 +22,7 @@ use strand::{Root, Strand, StrandMesh};
 /// Strands on each square metre of torn side grain with a fuzz of 1, on wood of the reference radius.
 const DENSITY: f64 = 9e5;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1.
-const MAX_SHARE: f64 = 0.6;
+const MAX_SHARE: f64 = 0.7;
 /// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
 const MEAN_TRIANGLES: f64 = 12.5;
 /// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a
@@ -218,11 +218,11 @@ fn strand_on(
     let width = size * (0.045e-3 + 0.08e-3 * random(8) * random(8)) + 0.014 * length * random(9);
     // Most lie close, some stand off. Those beside each other bend to one side, so that they hardly cross, and all are bent.
     let loose = random(10);
-    let lift = 0.02 + 0.3 * loose * loose * loose * loose;
+    let lift = 0.02 + 0.27 * loose * loose * loose * loose;
     let place = of(weights, frame.grain) / (TUFT.0 * size);
     let together = |k: u64| gradient_3d(options.seed ^ PURPOSE ^ k << 40, place, 0).0;
-    let curl = 0.12 + 0.55 * together(1) + 0.25 * random(11);
-    let sway = 0.9 * together(2) + 0.12 * (random(12) - 0.5);
+    let curl = 0.1 + 0.5 * together(1) + 0.22 * random(11);
+    let sway = 0.8 * together(2) + 0.12 * (random(12) - 0.5);
     let mut strand = Strand {
         root: Root {
             position: of(weights, frame.corners),
