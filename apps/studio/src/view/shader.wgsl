@@ -547,7 +547,7 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     for (var i = 0; i < 4; i++) {
         let size = sizes[i] * width;
         // The slope of a furrow's side has to be seen, which is narrower than the ridge.
-        let seen = visible(min(1.8 * edges[i], 1.0) * size, footprint);
+        let seen = visible(min(1.8 * edges[i], 1.0) * size * min(stretches[i], 1.0), footprint);
         var open = 1.0 - depths[i] * openness;
         if (seen > 0.0) {
             let own = seed ^ (u32(i + 1) << 16u);

@@ -253,7 +253,8 @@ impl BarkAppearance {
             let size = order.size * self.furrow_width;
             let half = order.edge * openness;
             // What has to be seen is the slope of a furrow's side, which is narrower than the ridge: finer slopes would glitter.
-            let visible = visible_detail((1.8 * half).min(1.0) * size, footprint);
+            let narrowest = size * order.stretch.min(1.0);
+            let visible = visible_detail((1.8 * half).min(1.0) * narrowest, footprint);
             // Furrows wander: the place is shifted sideways by slower noise before they are cut.
             let seed = self.seed ^ PURPOSE ^ ((i as u64 + 1) << 16);
             let slow = (DVec3::splat(size / 0.9), 0.9 / 0.35);
