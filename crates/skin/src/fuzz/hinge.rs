@@ -35,16 +35,15 @@ const PURPOSE: u64 = 0x41b6;
 pub struct HingeOptions<'a> {
     /// Of the strands.
     pub fuzz: FuzzOptions<'a>,
-    /// The map to grain space and the node that was cut in the world.
+    /// The map between grain space and the world.
     pub layers: &'a LayeredGrain,
-    /// See above.
+    /// Where the node that was cut stands in the world.
     pub transform: DAffine3,
     /// The face.
     pub surface: &'a FractureSurface,
-    /// Unit direction across the section from the hinge to the side that opened, and the distance of the hinge from the axis in
-    /// it, m.
+    /// Unit direction across the section from the hinge to the side that opened.
     pub toward: DVec2,
-    /// See above.
+    /// Distance of the hinge from the axis in that direction, m.
     pub from: f64,
     /// Motion of the upper piece in the world.
     pub motion: DAffine3,
