@@ -90,6 +90,27 @@ pub fn bake(
     texture::bake(width, square, wood, context)
 }
 
+/// Everything that determines the textures of a stem: equal keys have equal textures.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TextureKey {
+    stem: Stem,
+    square: SectionSquare,
+    appearance: StemAppearance,
+    width: u32,
+}
+
+impl TextureKey {
+    /// The key of textures that [`bake_stem`] would bake.
+    pub fn new(prepared: &PreparedStem, appearance: &StemAppearance, width: u32) -> Self {
+        TextureKey {
+            stem: prepared.found.stem.clone(),
+            square: prepared.square,
+            appearance: appearance.clone(),
+            width,
+        }
+    }
+}
+
 /// Parts of the width of the textures inside that the bark has: its figure is coarser than that of wood.
 const BARK_WIDTH: u32 = 2;
 

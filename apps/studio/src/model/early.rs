@@ -183,10 +183,8 @@ fn changes_more_than_faces(face: &BreakParameters, stages: &BreakStages) -> bool
 
 /// What the wood and the bark of a break look like; `None` where that cannot be told.
 fn appearance(request: &BreakRequest, stages: &BreakStages) -> Option<StemAppearance> {
-    let prepared = stages.stem.stem();
-    let wood = prepared.wood_appearance(&request.breaks.first()?.recipe);
-    let rings = stages.stem.rings.clone();
-    Some(StemAppearance::new(&prepared.found.stem, wood.ok()?, rings))
+    let recipe = &request.breaks.first()?.recipe;
+    stages.stem.appearance(recipe).ok()
 }
 
 /// The vertices of the mesh that is cut, in its own coordinates, with what pieces get where it has nothing.

@@ -14,6 +14,7 @@ use crate::request::{Break, BreakRequest, BreakStage};
 use chain::{Chain, ChainCut, ChainInput, ChainStem, Changes};
 use glam::DVec3;
 use greenstick_fracture::parameters::BreakParameters;
+use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Context, ErrorKind, Scene};
 use greenstick_skin::cracks::EndOfStem;
 use greenstick_skin::finish::{
@@ -21,7 +22,7 @@ use greenstick_skin::finish::{
     break_notes, break_report, finish, left_at_base, within_budget,
 };
 pub use greenstick_skin::finish::{BrokenWood, NodeRole, Piece, PieceRole, Pieces};
-use greenstick_skin::materials::{self, BakedWood};
+use greenstick_skin::materials::{self, BakedWood, TextureKey};
 pub use greenstick_skin::report::BreakNote;
 use greenstick_skin::report::BreakReport;
 use greenstick_skin::stages::PlacesError;
@@ -29,21 +30,9 @@ pub use greenstick_skin::stages::{
     BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage,
 };
 use greenstick_skin::stages::{Ids, Slot};
-use greenstick_skin::texture::SectionSquare;
-use greenstick_wood::appearance::StemAppearance;
-use greenstick_wood::stem::Stem;
 use order::BreakOrder;
 use progress::{CUT, FINISH, STEM, TEXTURES};
 use std::sync::Arc;
-
-/// Everything that determines the textures of the wood inside.
-#[derive(Debug, Clone, PartialEq)]
-struct TextureKey {
-    stem: Stem,
-    square: SectionSquare,
-    appearance: StemAppearance,
-    width: u32,
-}
 
 /// The cached values of one break of a request.
 #[derive(Debug, Clone, Default)]
@@ -318,58 +307,68 @@ impl BreakSession {
     /// # Errors
     /// As [`BreakSession::stages`], and if the textures cannot be made.
     pub fn broken(&mut self, request: &BreakRequest, context: &Context) -> Result<Broken, Error> {
+        self.assemble(request, context, |_| ())
+    }
+
+    /// As [`BreakSession::broken`]; `made` is called once pieces are made, when the textures need only the stem of what is cached.
+    fn assemble(
+        &mut self,
+        request: &BreakRequest,
+        context: &Context,
+        made: impl FnOnce(&mut Self),
+    ) -> Result<Broken, Error> {
         let [breaking, baking] = context.split([(CUT, 1.0), (TEXTURES, 2.0)]);
         let breaks = self.pieces(request, &breaking)?;
         let finished: Vec<FinishedBreak> = breaks.iter().map(BreakPieces::finished).collect();
-        let AssembledBreaks { mut scene, roles } = assemble(&finished);
-        let bark = materials::add_missing_bark(&mut scene);
-        let mut woods = Vec::new();
-        for (at, one) in breaks.iter().enumerate() {
-            let width = request.texture_width;
-            let wood = self.bake(at, one, width, &baking.item(at, breaks.len()))?;
-            let (prepared, baked) = (one.stages.stem.stem(), wood.1.as_deref());
-            let appearance = &wood.0.appearance;
-            // The numbers of the woods inside are taken: what the outside adds comes after them.
-            let bark = bark.filter(|_| at + 1 == breaks.len());
-            materials::add_wood(&mut scene, bark, prepared, baked, appearance);
-            woods.push((one.number, wood.0));
-        }
-        woods.sort_by_key(|w| w.0);
+        let AssembledBreaks { scene, roles } = assemble(&finished);
+        let report = break_report(&self.input, &finished, &scene, &self.left_out);
         let pieces = (breaks.iter().min_by_key(|m| m.number)).map(|m| &m.pieces);
         let hang = pieces.and_then(|p| p.hang.as_ref());
-        Ok(Broken {
+        let mut broken = Broken {
             roles,
-            report: break_report(&self.input, &finished, &scene, &self.left_out)
-                .ok_or(PlacesError::None)?,
+            report: report.ok_or(PlacesError::None)?,
             scene,
             notes: break_notes(&finished, &self.left_out),
-            woods: woods.into_iter().map(|w| w.1).collect(),
+            woods: Vec::new(),
             hinge: hang.map(|h| DVec3::from_array(h.axis)),
             end: pieces.and_then(|p| p.end),
-        })
+        };
+        let stems = breaks.into_iter();
+        let stems: Vec<_> = stems
+            .map(|b| (b.number, b.requested, b.stages.stem))
+            .collect();
+        made(self);
+        let bark = materials::add_missing_bark(&mut broken.scene);
+        let (mut woods, count) = (Vec::new(), stems.len());
+        for (at, (number, requested, stage)) in stems.iter().enumerate() {
+            let (recipe, width) = (&requested.recipe, request.texture_width);
+            let (wood, baked) = self.bake(at, stage, recipe, width, &baking.item(at, count))?;
+            let (prepared, appearance) = (stage.stem(), &wood.appearance);
+            // The numbers of the woods inside are taken: what the outside adds comes after them.
+            let bark = bark.filter(|_| at + 1 == count);
+            let baked = baked.as_deref();
+            materials::add_wood(&mut broken.scene, bark, prepared, baked, appearance);
+            woods.push((*number, wood));
+        }
+        woods.sort_by_key(|w| w.0);
+        broken.woods = woods.into_iter().map(|w| w.1).collect();
+        Ok(broken)
     }
 
     /// Bakes the textures of the wood inside a break, if there are to be any.
     fn bake(
         &mut self,
         at: usize,
-        one: &BreakPieces,
+        stage: &StemStage,
+        recipe: &Recipe,
         width: u32,
         context: &Context,
     ) -> Result<(BrokenWood, Option<Arc<BakedWood>>), Error> {
         context.report(0.0)?;
-        let recipe = &one.requested.recipe;
-        let prepared = one.stages.stem.stem();
-        let (stem, square) = (&prepared.found.stem, prepared.square);
-        let rings = one.stages.stem.rings.clone();
-        let appearance = StemAppearance::new(stem, prepared.wood_appearance(recipe)?, rings);
+        let prepared = stage.stem();
+        let appearance = stage.appearance(recipe)?;
         let baked = if width > 0 {
-            let key = TextureKey {
-                stem: stem.clone(),
-                square,
-                appearance: appearance.clone(),
-                width,
-            };
+            let key = TextureKey::new(prepared, &appearance, width);
             let slot = &mut self.breaks[at].textures;
             let baked = slot.get(key, &mut self.ids, |_| {
                 materials::bake_stem(prepared, &appearance, width, context)
@@ -379,7 +378,7 @@ impl BreakSession {
         } else {
             None
         };
-        Ok((BrokenWood::new(&one.stages.stem, appearance), baked))
+        Ok((BrokenWood::new(stage, appearance), baked))
     }
 }
 
@@ -406,5 +405,8 @@ pub fn break_scene(
     request: &BreakRequest,
     context: &Context,
 ) -> Result<Broken, Error> {
-    BreakSession::new(scene).broken(request, context)
+    // Nothing is asked again: what the pieces were made from goes before the textures, which would copy pieces that are shared.
+    BreakSession::new(scene).assemble(request, context, |session| {
+        session.breaks.fill(CachedBreak::default());
+    })
 }

@@ -11,9 +11,12 @@ use glam::DVec3;
 use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::Heights;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
+use greenstick_fracture::recipe::Recipe;
 use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::Mesh;
+use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::rings::StemRings;
+use greenstick_wood::species::UnknownSpecies;
 use std::sync::Arc;
 
 /// The least length of whole stem between two breaks, radii.
@@ -43,6 +46,20 @@ impl StemStage {
             Some(opened) => &opened.stem,
             None => &self.sound,
         }
+    }
+
+    /// Returns how the stem looks with the tissues, species and colours of a recipe.
+    ///
+    /// # Errors
+    /// [`UnknownSpecies`] where the recipe's species has no table.
+    pub fn appearance(&self, recipe: &Recipe) -> Result<StemAppearance, UnknownSpecies> {
+        let prepared = self.stem();
+        let wood = prepared.wood_appearance(recipe)?;
+        Ok(StemAppearance::new(
+            &prepared.found.stem,
+            wood,
+            self.rings.clone(),
+        ))
     }
 }
 
