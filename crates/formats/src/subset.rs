@@ -28,11 +28,26 @@ pub(crate) fn compact(
 
 /// Returns the values of an attribute at the vertices `used`.
 pub(crate) fn gather(attribute: &Attribute, used: &[u32]) -> Vec<f32> {
-    let mut data = Vec::with_capacity(used.len() * attribute.width);
-    for &i in used {
-        data.extend_from_slice(attribute.at(i as usize));
+    match attribute.width {
+        1 => gather_wide::<1>(attribute, used),
+        2 => gather_wide::<2>(attribute, used),
+        3 => gather_wide::<3>(attribute, used),
+        4 => gather_wide::<4>(attribute, used),
+        width => {
+            let mut data = Vec::with_capacity(used.len() * width);
+            for &i in used {
+                data.extend_from_slice(attribute.at(i as usize));
+            }
+            data
+        }
     }
-    data
+}
+
+/// As [`gather`], of an attribute whose width is known to the compiler.
+fn gather_wide<const N: usize>(attribute: &Attribute, used: &[u32]) -> Vec<f32> {
+    let values = attribute.data.as_chunks::<N>().0;
+    let data: Vec<[f32; N]> = used.iter().map(|&i| values[i as usize]).collect();
+    data.into_flattened()
 }
 
 /// Extracts the part of `mesh` that consists of the given triangles.

@@ -87,13 +87,13 @@ fn resolve(
             (l.min(p), h.max(p))
         });
     let extent = (high - low).length();
-    let is_known: Vec<bool> = mesh.positions.iter().map(|&p| known.contains(p)).collect();
-    let is_ours: Vec<bool> = mesh
-        .triangles
-        .iter()
-        .map(|t| !t.iter().all(|&v| is_known[v as usize]))
+    let positions = topology.positions(mesh);
+    let is_known: Vec<bool> = positions.iter().map(|&p| known.contains(p)).collect();
+    let is_known = |v: u32| is_known[topology.points[v as usize] as usize];
+    let is_ours: Vec<bool> = (mesh.triangles.iter())
+        .map(|t| !t.iter().all(|&v| is_known(v)))
         .collect();
-    let mut faults = faults_among(mesh, &is_ours, &topology);
+    let mut faults = faults_among(mesh, &is_ours, positions, &topology);
     let mut done = Collapsed {
         faults: faults.len(),
         remaining: faults.len(),
@@ -140,14 +140,14 @@ fn resolve(
 }
 
 /// Returns the faults of the triangles that are `chosen`: pairs that cross, then as pairs with themselves those without
-/// area or at an edge with more than two triangles.
-fn faults_among(mesh: &Mesh, chosen: &[bool], topology: &Topology) -> Vec<[u32; 2]> {
-    let Topology { points, count, .. } = topology;
-    let mut positions = vec![DVec3::ZERO; *count];
-    for (&point, &position) in points.iter().zip(&mesh.positions) {
-        positions[point as usize] = position;
-    }
-    let at_points = |t: usize| mesh.triangles[t].map(|v| points[v as usize]);
+/// area or at an edge with more than two triangles. `positions` are those of the points.
+fn faults_among(
+    mesh: &Mesh,
+    chosen: &[bool],
+    positions: Vec<DVec3>,
+    topology: &Topology,
+) -> Vec<[u32; 2]> {
+    let at_points = |t: usize| mesh.triangles[t].map(|v| topology.points[v as usize]);
     let ours: Vec<usize> = (0..chosen.len()).filter(|&t| chosen[t]).collect();
     let part = Mesh {
         positions,
