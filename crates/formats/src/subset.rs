@@ -2,6 +2,9 @@
 
 use greenstick_geometry::{Attribute, Mesh};
 
+/// Vertices of a mesh to each that is used, from which on those that are used are sorted: with fewer, a look at all takes less.
+const SCANNED: usize = 16;
+
 /// Returns the vertices that `triangles` use, ascending, and the triangles renumbered accordingly. `slots` is working
 /// memory with one `u32::MAX` for each vertex and is restored.
 pub(crate) fn compact(
@@ -15,7 +18,12 @@ pub(crate) fn compact(
             used.push(i);
         }
     }
-    used.sort_unstable();
+    if used.len() < slots.len() / SCANNED {
+        used.sort_unstable();
+    } else {
+        let all = (0..).zip(&*slots);
+        used = all.filter(|s| *s.1 != u32::MAX).map(|s| s.0).collect();
+    }
     for (new, &old) in used.iter().enumerate() {
         slots[old as usize] = new as u32;
     }

@@ -99,8 +99,6 @@ struct Frame {
     across: [DVec2; 2],
     /// How far the face leans: the way in the section, m, of a unit of the piece's coordinates along the last direction.
     lean: DVec2,
-    /// Square of the slope of the length along the face.
-    steepness: f64,
     /// Tissue.
     zone: usize,
     /// Sector.
@@ -136,37 +134,49 @@ impl<'a> TornFace<'a> {
         self.piece.triangles[t].map(at)
     }
 
+    /// Tissue of a triangle.
+    fn zone(&self, t: usize) -> usize {
+        self.zones[self.piece.triangles[t][0] as usize] as usize
+    }
+
     /// The frame of a triangle; none where it has no area.
     fn frame(&self, t: usize) -> Option<Frame> {
         let (corners, grain) = (self.piece.corners(t), self.grain(t));
-        let first = self.piece.triangles[t][0] as usize;
         let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
         let normal = e.cross(f);
         let square = normal.length_squared();
         let (ge, gf) = (grain[1] - grain[0], grain[2] - grain[0]);
         let across = ge.cross(gf).truncate();
-        if square <= 0.0 || across == DVec2::ZERO {
-            return None;
-        }
-        // The gradient of the length, by the dual basis of two edges.
-        let rise = f.cross(normal) * (ge.z / square) + normal.cross(e) * (gf.z / square);
+        let (rise, _) = slope([e, f], [ge, gf])?;
         let out = across.normalize();
         let along = rise.normalize_or_zero();
         let lean =
             ge * (along.dot(f.cross(normal)) / square) + gf * (along.dot(normal.cross(e)) / square);
         let normal = normal / square.sqrt();
-        let unit = (ge.length() / e.length()).max(gf.length() / f.length());
         Some(Frame {
             corners,
             grain,
             directions: [normal.cross(along), normal, along],
             across: [-out.perp(), out],
             lean: lean.truncate(),
-            steepness: rise.length_squared() / (unit * unit),
-            zone: self.zones[first] as usize,
-            sector: self.sectors[first],
+            zone: self.zone(t),
+            sector: self.sectors[self.piece.triangles[t][0] as usize],
         })
     }
+}
+
+/// Returns the gradient of the length in the piece, and the square of its slope along the face, by two edges of a triangle and the
+/// same edges in grain coordinates; none where it has no area.
+fn slope([e, f]: [DVec3; 2], [ge, gf]: [DVec3; 2]) -> Option<(DVec3, f64)> {
+    let normal = e.cross(f);
+    let square = normal.length_squared();
+    if square <= 0.0 || ge.cross(gf).truncate() == DVec2::ZERO {
+        return None;
+    }
+    // By the dual basis of the edges.
+    let rise = f.cross(normal) * (ge.z / square) + normal.cross(e) * (gf.z / square);
+    let unit = (ge.length() / e.length()).max(gf.length() / f.length());
+    Some((rise, rise.length_squared() / (unit * unit)))
 }
 
 /// Finds the torn walls of a piece, with the number of strands that each should have.
@@ -187,17 +197,19 @@ fn walls(piece: &Mesh, options: &FuzzOptions) -> Vec<Wall> {
         if torn == 0.0 {
             return None;
         }
-        let frame = face.frame(triangle)?;
-        if frame.steepness < SIDE_GRAIN {
+        let [a, b, c] = piece.corners(triangle);
+        let grain = face.grain(triangle);
+        let (_, steepness) = slope([b - a, c - a], [grain[1] - grain[0], grain[2] - grain[0]])?;
+        if steepness < SIDE_GRAIN {
             return None;
         }
-        let [a, b, c] = frame.corners;
         let area = 0.5 * (b - a).cross(c - a).length() / area_unit;
-        let middle = (frame.grain[0] + frame.grain[1] + frame.grain[2]) / 3.0;
+        let middle = (grain[0] + grain[1] + grain[2]) / 3.0;
         let tufts = DVec3::new(1.0 / TUFT.0, 1.0 / TUFT.0, 1.0 / TUFT.1) / size;
         let tuft = gradient_3d(options.seed ^ PURPOSE, middle * tufts, 0).0;
         let clumped = 0.15 + 1.7 * smoothstep(-0.25, 0.45, tuft);
-        let zone = DENSITY_OF_ZONES[frame.zone.min(Zone::ALL.len() - 1)];
+        let zone = face.zone(triangle);
+        let zone = DENSITY_OF_ZONES[zone.min(Zone::ALL.len() - 1)];
         let strands = density * area * torn * clumped * zone;
         (strands > 0.0).then_some(Wall { triangle, strands })
     };

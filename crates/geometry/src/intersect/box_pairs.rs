@@ -7,6 +7,7 @@
 
 use crate::{Aabb, Bvh};
 use glam::DVec3;
+use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 /// Size of a cell of the grid, mean sizes of boxes.
 const CELL_SIZE: f64 = 2.5;
@@ -18,30 +19,31 @@ const MAX_CELLS_PER_BOX: usize = 8;
 const MAX_PAIRS_PER_BOX: usize = 128;
 /// Boxes that are compared with one at a time: as many as compilers make vector instructions of.
 const BLOCK: usize = 8;
+/// Least number of columns that a thread takes.
+const COLUMNS: usize = 16;
 
-/// Visits every pair of different boxes that overlap once, the smaller index first, in no particular order. Boxes that are
-/// empty or have a coordinate that is not a number overlap nothing.
-pub(crate) fn overlapping_pairs(boxes: &[Aabb], mut visit: impl FnMut(usize, usize)) {
-    let Some(grid) = Grid::new(boxes) else {
-        return Bvh::new(boxes).self_pairs(visit);
-    };
-    let mut column = Column::default();
-    for (cell, pair) in grid.starts.windows(2).enumerate() {
-        let members = &grid.entries[pair[0] as usize..pair[1] as usize];
-        if members.len() < 2 {
-            continue;
+/// Returns the pairs of different boxes that overlap, at least one of them among the first `chosen`, and that are `wanted`: called
+/// once for each pair, the smaller index first. Pairs are ascending. Boxes that are empty or have a coordinate that is not a number
+/// overlap nothing.
+pub(crate) fn overlapping_pairs(
+    boxes: &[Aabb],
+    chosen: usize,
+    wanted: impl Fn(usize, usize) -> bool + Sync,
+) -> Vec<[u32; 2]> {
+    let mut pairs = match Grid::new(boxes) {
+        Some(grid) => grid.pairs(boxes, chosen, wanted),
+        None => {
+            let mut pairs = Vec::new();
+            Bvh::new(boxes).self_pairs(|a, b| {
+                if a < chosen && wanted(a, b) {
+                    pairs.push([a as u32, b as u32]);
+                }
+            });
+            pairs
         }
-        let check = |a: u32, b: u32| {
-            let (a, b) = (a.min(b) as usize, a.max(b) as usize);
-            let (of_a, of_b) = (&boxes[a], &boxes[b]);
-            // Both lie in all cells that they have in common; they are visited in the first.
-            if of_a.overlaps(of_b) && grid.number(grid.cell(of_a.low.max(of_b.low))) == cell {
-                visit(a, b);
-            }
-        };
-        column.take(members, boxes, grid.low);
-        column.pairs(members, boxes, check);
-    }
+    };
+    pairs.sort_unstable();
+    pairs
 }
 
 /// Boxes by the cells that they cover across the first axis, ascending along it in each.
@@ -140,6 +142,37 @@ impl Grid {
         }
         count
     }
+
+    /// The pairs of [`overlapping_pairs`], in no particular order.
+    fn pairs(
+        &self,
+        boxes: &[Aabb],
+        chosen: usize,
+        wanted: impl Fn(usize, usize) -> bool + Sync,
+    ) -> Vec<[u32; 2]> {
+        let in_cell = |(mut column, mut pairs): (Column, Vec<[u32; 2]>), cell: usize| {
+            let members = &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize];
+            column.take(self, cell, (members, boxes), chosen);
+            column.pairs(members, boxes, |a, b| {
+                let (a, b) = (a.min(b), a.max(b));
+                let [i, j] = [a, b].map(|i| i as usize);
+                if boxes[i].overlaps(&boxes[j]) && wanted(i, j) {
+                    pairs.push([a, b]);
+                }
+            });
+            (column, pairs)
+        };
+        let cells = (0..self.starts.len() - 1).into_par_iter();
+        let found = cells
+            .with_min_len(COLUMNS)
+            .fold(<(Column, Vec<[u32; 2]>)>::default, in_cell);
+        found
+            .map(|(_, pairs)| pairs)
+            .reduce(Vec::new, |mut all, mut more| {
+                all.append(&mut more);
+                all
+            })
+    }
 }
 
 /// The boxes of one cell, ascending along the first axis, rounded to `f32`: rounding keeps the order of numbers, so that boxes that
@@ -148,52 +181,127 @@ impl Grid {
 struct Column {
     low: [Vec<f32>; 3],
     high: [Vec<f32>; 3],
+    /// Of each box, whether the cell is the first that it covers along each axis, and whether it is chosen. Two boxes lie in all
+    /// cells that they have in common; they are looked at where their flags make up [`ALL_FLAGS`].
+    flags: Vec<u8>,
+    /// Places of the chosen boxes.
+    chosen: Vec<u32>,
 }
 
+const FIRST: [u8; 2] = [1, 2];
+const CHOSEN: u8 = 4;
+const ALL_FLAGS: u8 = 7;
+
 impl Column {
-    fn take(&mut self, members: &[u32], boxes: &[Aabb], origin: DVec3) {
+    /// Takes the members of a cell.
+    fn take(
+        &mut self,
+        grid: &Grid,
+        cell: usize,
+        (members, boxes): (&[u32], &[Aabb]),
+        chosen: usize,
+    ) {
+        self.chosen.clear();
+        let places = (0u32..).zip(members);
+        let is_chosen = |i: u32| (i as usize) < chosen;
+        self.chosen.extend(
+            places
+                .filter(|(_, i)| is_chosen(**i))
+                .map(|(place, _)| place),
+        );
+        if self.chosen.is_empty() {
+            return;
+        }
+        let here = [cell / grid.size[1], cell % grid.size[1]];
+        let members = || members.iter().map(|&i| (i, &boxes[i as usize]));
         for k in 0..3 {
-            let of = |at: DVec3| (at[k] - origin[k]) as f32;
-            let members = || members.iter().map(|&i| &boxes[i as usize]);
-            for (list, is_low) in [(&mut self.low[k], true), (&mut self.high[k], false)] {
-                list.clear();
-                list.extend(members().map(|b| of(if is_low { b.low } else { b.high })));
+            let of = |at: DVec3| (at[k] - grid.low[k]) as f32;
+            self.low[k].clear();
+            self.low[k].extend(members().map(|(_, b)| of(b.low)));
+            self.high[k].clear();
+            self.high[k].extend(members().map(|(_, b)| of(b.high)));
+            for list in [&mut self.low[k], &mut self.high[k]] {
                 list.extend([f32::NAN; BLOCK]);
+            }
+        }
+        self.flags.clear();
+        self.flags.extend(members().map(|(i, b)| {
+            let from = grid.cell(b.low);
+            let first = [0, 1].map(|k| if from[k] == here[k] { FIRST[k] } else { 0 });
+            first[0] | first[1] | if is_chosen(i) { CHOSEN } else { 0 }
+        }));
+        self.flags.extend([0; BLOCK]);
+    }
+
+    /// Visits the pairs of members that overlap in `f32`, one of them chosen, of which this cell is the first in common.
+    fn pairs(&self, members: &[u32], boxes: &[Aabb], mut visit: impl FnMut(u32, u32)) {
+        if self.chosen.is_empty() || members.len() < 2 {
+            return;
+        }
+        if self.is_crowded(members.len()) {
+            let boxes: Vec<Aabb> = members.iter().map(|&i| boxes[i as usize]).collect();
+            return Bvh::new(&boxes).self_pairs(|a, b| {
+                if self.flags[a] | self.flags[b] == ALL_FLAGS {
+                    visit(members[a], members[b]);
+                }
+            });
+        }
+        let mut chosen = &self.chosen[..];
+        for a in 0..members.len() {
+            let mut visit = |b: usize| visit(members[a], members[b]);
+            if self.flags[a] & CHOSEN != 0 {
+                self.after(a, visit);
+                continue;
+            }
+            while let [first, rest @ ..] = chosen
+                && *first as usize <= a
+            {
+                chosen = rest;
+            }
+            for &b in chosen {
+                let b = b as usize;
+                if self.low[0][b] > self.high[0][a] {
+                    break;
+                }
+                if self.block(a, b) & 1 != 0 {
+                    visit(b);
+                }
             }
         }
     }
 
-    /// Visits pairs of members, all among them that overlap.
-    fn pairs(&self, members: &[u32], boxes: &[Aabb], mut visit: impl FnMut(u32, u32)) {
-        if self.is_crowded(members.len()) {
-            let boxes: Vec<Aabb> = members.iter().map(|&i| boxes[i as usize]).collect();
-            return Bvh::new(&boxes).self_pairs(|a, b| visit(members[a], members[b]));
-        }
-        let [low, high] = [&self.low, &self.high];
-        for a in 0..members.len() {
-            let (from, to) = ([low[1][a], low[2][a]], [high[0][a], high[1][a], high[2][a]]);
-            let mut start = a + 1;
-            while low[0][start] <= to[0] {
-                let block = start..start + BLOCK;
-                let [x0, y0, z0] = [0, 1, 2].map(|k| &low[k][block.clone()]);
-                let [y1, z1] = [1, 2].map(|k| &high[k][block.clone()]);
-                let mut near = [0u8; BLOCK];
-                for i in 0..BLOCK {
-                    let overlaps = (x0[i] <= to[0])
-                        & (y0[i] <= to[1])
-                        & (z0[i] <= to[2])
-                        & (from[0] <= y1[i])
-                        & (from[1] <= z1[i]);
-                    near[i] = u8::from(overlaps);
-                }
-                let mut near = u64::from_le_bytes(near);
-                while near != 0 {
-                    visit(members[a], members[start + near.trailing_zeros() as usize / 8]);
-                    near &= near - 1;
-                }
-                start += BLOCK;
+    /// Visits the places behind that of a box whose boxes overlap with it.
+    fn after(&self, a: usize, mut visit: impl FnMut(usize)) {
+        let mut start = a + 1;
+        while self.low[0][start] <= self.high[0][a] {
+            let mut near = self.block(a, start);
+            while near != 0 {
+                visit(start + near.trailing_zeros() as usize / 8);
+                near &= near - 1;
             }
+            start += BLOCK;
         }
+    }
+
+    /// Which of the boxes from place `start` are to be looked at beside that at `a`: a byte for each, 1 or 0.
+    #[inline]
+    fn block(&self, a: usize, start: usize) -> u64 {
+        let [low, high] = [&self.low, &self.high];
+        let (from, to) = ([low[1][a], low[2][a]], [high[0][a], high[1][a], high[2][a]]);
+        let block = start..start + BLOCK;
+        let [x0, y0, z0] = [0, 1, 2].map(|k| &low[k][block.clone()]);
+        let [y1, z1] = [1, 2].map(|k| &high[k][block.clone()]);
+        let flags = &self.flags[block];
+        let mut near = [0u8; BLOCK];
+        for i in 0..BLOCK {
+            let overlaps = (x0[i] <= to[0])
+                & (y0[i] <= to[1])
+                & (z0[i] <= to[2])
+                & (from[0] <= y1[i])
+                & (from[1] <= z1[i]);
+            near[i] = u8::from(overlaps & (flags[i] | self.flags[a] == ALL_FLAGS));
+        }
+        u64::from_le_bytes(near)
     }
 
     /// Whether too many boxes begin before others end.
@@ -236,17 +344,15 @@ mod tests {
             .collect()
     }
 
-    fn found(boxes: &[Aabb]) -> Vec<(usize, usize)> {
-        let mut pairs = Vec::new();
-        overlapping_pairs(boxes, |a, b| pairs.push((a, b)));
-        pairs.sort_unstable();
-        pairs
+    fn found(boxes: &[Aabb], chosen: usize) -> Vec<[u32; 2]> {
+        overlapping_pairs(boxes, chosen, |_, _| true)
     }
 
-    fn expected(boxes: &[Aabb]) -> Vec<(usize, usize)> {
-        (0..boxes.len())
-            .flat_map(|a| (a + 1..boxes.len()).map(move |b| (a, b)))
-            .filter(|&(a, b)| boxes[a].overlaps(&boxes[b]))
+    fn expected(boxes: &[Aabb], chosen: usize) -> Vec<[u32; 2]> {
+        (0..chosen)
+            .flat_map(|a| (a + 1..boxes.len()).map(move |b| [a, b]))
+            .filter(|&[a, b]| boxes[a].overlaps(&boxes[b]))
+            .map(|pair| pair.map(|i| i as u32))
             .collect()
     }
 
@@ -263,13 +369,15 @@ mod tests {
             let crowded = grid.starts.windows(2).any(|cell| {
                 let members = &grid.entries[cell[0] as usize..cell[1] as usize];
                 let mut column = Column::default();
-                column.take(members, &boxes, grid.low);
+                column.take(&grid, 0, (members, &boxes), boxes.len());
                 column.is_crowded(members.len())
             });
             assert_eq!(crowded, !in_columns, "{size}");
-            let expected = expected(&boxes);
-            assert!(expected.len() > 500);
-            assert_eq!(found(&boxes), expected);
+            for chosen in [2000, 300] {
+                let expected = expected(&boxes, chosen);
+                assert!(expected.len() > 500);
+                assert_eq!(found(&boxes, chosen), expected);
+            }
         }
     }
 
@@ -280,15 +388,15 @@ mod tests {
             .map(|i| Aabb::around(&[at(f64::from(i % 10), f64::from(i / 10))]))
             .collect();
         boxes.extend(boxes.clone());
-        assert_eq!(found(&boxes).len(), 100);
+        assert_eq!(found(&boxes, usize::MAX).len(), 100);
         boxes.push(Aabb::EMPTY);
         boxes.push(Aabb {
             low: DVec3::NAN,
             high: DVec3::NAN,
         });
-        assert_eq!(found(&boxes).len(), 100);
+        assert_eq!(found(&boxes, usize::MAX).len(), 100);
         boxes.push(Aabb::around(&[at(1.0, f64::INFINITY)]));
-        assert_eq!(found(&boxes).len(), 100);
-        assert!(found(&[]).is_empty());
+        assert_eq!(found(&boxes, usize::MAX).len(), 100);
+        assert!(found(&[], 1).is_empty());
     }
 }
