@@ -25,7 +25,7 @@ fn a_table_of_a_million_rows_takes_little_memory() {
     let folder = std::env::temp_dir().join(format!("greenstick-million-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     let text = format!(
-        "rings = 10\nsectors = 12\n[sweep]\ntextures = false\nfile = 'none'\nsheet = 0\nsamples = {VARIANTS}\n\
+        "[break]\nrings = 10\nsectors = 12\n[sweep]\ntextures = false\nfile = 'none'\nsheet = 0\nsamples = {VARIANTS}\n\
          [vary]\nmoisture = {{ between = [8, 30] }}\nhigh.height = {{ between = [0.5, 2] }}"
     );
     let sweep = Sweep::read(&text, &folder).unwrap();

@@ -263,3 +263,65 @@ fn crossing_among(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, count: usize)
         &contact_boxes(&part),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles strewn in a cube, repeatable: many of them cross.
+    fn strewn(seed: u64, count: usize) -> Vec<[DVec3; 3]> {
+        let mut state = seed;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut point = || DVec3::new(next(), next(), next());
+        (0..count)
+            .map(|_| {
+                let at = point();
+                [(); 3].map(|()| at + point() * 0.5)
+            })
+            .collect()
+    }
+
+    /// A mesh of a skin, material 0, and of a face, material 1.
+    fn half(skin: &[[DVec3; 3]], face: &[[DVec3; 3]]) -> Mesh {
+        let all = || skin.iter().chain(face);
+        Mesh {
+            positions: all().flatten().copied().collect(),
+            triangles: (0..all().count() as u32)
+                .map(|t| [0, 1, 2].map(|k| 3 * t + k))
+                .collect(),
+            materials: all()
+                .enumerate()
+                .map(|(t, _)| u32::from(t >= skin.len()))
+                .collect(),
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn halves_are_rounded_as_each_alone() {
+        let face = strewn(1, 120);
+        let turned: Vec<[DVec3; 3]> = face.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let mut other_face = turned.clone();
+        other_face[60][0].x += 0.01;
+        for (upper_face, is_same) in [(turned, true), (other_face, false)] {
+            let mut halves = [
+                half(&strewn(2, 40), &face),
+                half(&strewn(3, 50), &upper_face),
+            ];
+            let known = KnownPositions::from_mesh(&halves[0].submesh([0, 1, 50, 51].into_iter()));
+            let mut alone = halves.clone();
+            let expected = alone.each_mut().map(|mesh| round_to_f32(mesh, 1, &known));
+            let faces = [40..160, 50..170].map(|face| face.collect());
+            assert_eq!(is_same_face(halves.each_ref(), &faces), is_same);
+            let rounded = round_halves_to_f32(halves.each_mut(), 1, &known);
+            assert_eq!(rounded, expected);
+            assert_eq!(halves, alone);
+            assert!(rounded.iter().all(|half| half.collapsed.faults > 20));
+        }
+    }
+}
