@@ -12,7 +12,7 @@ mod strand;
 pub use hinge::HingeOptions;
 pub use options::FuzzOptions;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 use greenstick_geometry::Mesh;
 use greenstick_wood::noise::{gradient_3d, smoothstep, unit};
 use greenstick_wood::stem::Stem;
@@ -69,8 +69,11 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
         hinge.add(&mut made, options.most_triangles);
     }
     let most = (most + made.triangles()).min(options.most_triangles);
+    let Some(face) = TornFace::of(piece) else {
+        return made.finish();
+    };
     for wall in &walls {
-        let Some(frame) = Frame::of(piece, wall.triangle) else {
+        let Some(frame) = face.frame(wall.triangle) else {
             continue;
         };
         let random = |k: i64| unit(options.seed ^ PURPOSE, wall.triangle as i64, -1, k);
@@ -96,54 +99,84 @@ struct Frame {
     across: [DVec2; 2],
     /// How far the face leans: the way in the section, m, of a unit of the piece's coordinates along the last direction.
     lean: DVec2,
-    /// Square of the slope of the length along the face.
-    steepness: f64,
-    /// Height of the face along the grain, m.
-    height: f64,
     /// Tissue.
     zone: usize,
     /// Sector.
     sector: f32,
 }
 
-impl Frame {
-    fn of(piece: &Mesh, t: usize) -> Option<Frame> {
-        let corners = piece.corners(t);
-        let at = |name: &str, width: usize| {
-            let attribute = piece.attributes.get(name).filter(|a| a.width == width)?;
-            Some(piece.triangles[t].map(|v| attribute.at(v as usize)))
+/// A piece with the attributes of a broken face.
+struct TornFace<'a> {
+    piece: &'a Mesh,
+    grain: &'a [[f32; 3]],
+    zones: &'a [f32],
+    sectors: &'a [f32],
+}
+
+impl<'a> TornFace<'a> {
+    /// The face of a piece; none where it lacks one of these attributes.
+    fn of(piece: &'a Mesh) -> Option<Self> {
+        let values = |name: &str, width: usize| {
+            let attribute = piece.attributes.get(name).filter(|a| a.width == width);
+            attribute.map(|a| a.data.as_slice())
         };
-        let grain = at("_GRAIN", 3)?.map(|g| DVec3::new(g[0].into(), g[1].into(), g[2].into()));
+        Some(TornFace {
+            piece,
+            grain: values("_GRAIN", 3)?.as_chunks().0,
+            zones: values("_ZONE", 1)?,
+            sectors: values("_SECTOR", 1)?,
+        })
+    }
+
+    /// Grain coordinates of the corners of a triangle, m.
+    fn grain(&self, t: usize) -> [DVec3; 3] {
+        let at = |v: u32| Vec3::from_array(self.grain[v as usize]).as_dvec3();
+        self.piece.triangles[t].map(at)
+    }
+
+    /// Tissue of a triangle.
+    fn zone(&self, t: usize) -> usize {
+        self.zones[self.piece.triangles[t][0] as usize] as usize
+    }
+
+    /// The frame of a triangle; none where it has no area.
+    fn frame(&self, t: usize) -> Option<Frame> {
+        let (corners, grain) = (self.piece.corners(t), self.grain(t));
         let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
         let normal = e.cross(f);
         let square = normal.length_squared();
         let (ge, gf) = (grain[1] - grain[0], grain[2] - grain[0]);
         let across = ge.cross(gf).truncate();
-        if square <= 0.0 || across == DVec2::ZERO {
-            return None;
-        }
-        // The gradient of the length, by the dual basis of two edges.
-        let rise = f.cross(normal) * (ge.z / square) + normal.cross(e) * (gf.z / square);
+        let (rise, _) = slope([e, f], [ge, gf])?;
         let out = across.normalize();
         let along = rise.normalize_or_zero();
         let lean =
             ge * (along.dot(f.cross(normal)) / square) + gf * (along.dot(normal.cross(e)) / square);
         let normal = normal / square.sqrt();
-        let lengths = grain.map(|g| g.z);
-        let unit = (ge.length() / e.length()).max(gf.length() / f.length());
         Some(Frame {
             corners,
             grain,
             directions: [normal.cross(along), normal, along],
             across: [-out.perp(), out],
             lean: lean.truncate(),
-            steepness: rise.length_squared() / (unit * unit),
-            height: lengths[0].max(lengths[1]).max(lengths[2])
-                - lengths[0].min(lengths[1]).min(lengths[2]),
-            zone: at("_ZONE", 1)?[0][0] as usize,
-            sector: at("_SECTOR", 1)?[0][0],
+            zone: self.zone(t),
+            sector: self.sectors[self.piece.triangles[t][0] as usize],
         })
     }
+}
+
+/// Returns the gradient of the length in the piece, and the square of its slope along the face, by two edges of a triangle and the
+/// same edges in grain coordinates; none where it has no area.
+fn slope([e, f]: [DVec3; 2], [ge, gf]: [DVec3; 2]) -> Option<(DVec3, f64)> {
+    let normal = e.cross(f);
+    let square = normal.length_squared();
+    if square <= 0.0 || ge.cross(gf).truncate() == DVec2::ZERO {
+        return None;
+    }
+    // By the dual basis of the edges.
+    let rise = f.cross(normal) * (ge.z / square) + normal.cross(e) * (gf.z / square);
+    let unit = (ge.length() / e.length()).max(gf.length() / f.length());
+    Some((rise, rise.length_squared() / (unit * unit)))
 }
 
 /// Finds the torn walls of a piece, with the number of strands that each should have.
@@ -151,25 +184,36 @@ fn walls(piece: &Mesh, options: &FuzzOptions) -> Vec<Wall> {
     let size = size(options.stem);
     let density = DENSITY * options.amount / (size * size);
     let area_unit = options.units_per_metre * options.units_per_metre;
-    let face = (0..piece.triangles.len()).filter(|&t| piece.material(t) == options.material);
-    face.filter_map(|triangle| {
-        let frame = Frame::of(piece, triangle)?;
+    let Some(face) = TornFace::of(piece) else {
+        return Vec::new();
+    };
+    let triangles = (0..piece.triangles.len()).filter(|&t| piece.material(t) == options.material);
+    let wall = |triangle: usize| {
+        // Most of crushed and of brash wood is told apart by this alone.
+        let [a, b, c] = face.grain(triangle).map(|g| g.z);
+        let height = a.max(b).max(c) - a.min(b).min(c);
         let (low, high) = TORN_HEIGHT;
-        let torn = smoothstep(low * size, high * size, frame.height);
-        if torn == 0.0 || frame.steepness < SIDE_GRAIN {
+        let torn = smoothstep(low * size, high * size, height);
+        if torn == 0.0 {
             return None;
         }
-        let [a, b, c] = frame.corners;
+        let [a, b, c] = piece.corners(triangle);
+        let grain = face.grain(triangle);
+        let (_, steepness) = slope([b - a, c - a], [grain[1] - grain[0], grain[2] - grain[0]])?;
+        if steepness < SIDE_GRAIN {
+            return None;
+        }
         let area = 0.5 * (b - a).cross(c - a).length() / area_unit;
-        let middle = (frame.grain[0] + frame.grain[1] + frame.grain[2]) / 3.0;
+        let middle = (grain[0] + grain[1] + grain[2]) / 3.0;
         let tufts = DVec3::new(1.0 / TUFT.0, 1.0 / TUFT.0, 1.0 / TUFT.1) / size;
         let tuft = gradient_3d(options.seed ^ PURPOSE, middle * tufts, 0).0;
         let clumped = 0.15 + 1.7 * smoothstep(-0.25, 0.45, tuft);
-        let zone = DENSITY_OF_ZONES[frame.zone.min(Zone::ALL.len() - 1)];
+        let zone = face.zone(triangle);
+        let zone = DENSITY_OF_ZONES[zone.min(Zone::ALL.len() - 1)];
         let strands = density * area * torn * clumped * zone;
         (strands > 0.0).then_some(Wall { triangle, strands })
-    })
-    .collect()
+    };
+    triangles.filter_map(wall).collect()
 }
 
 /// Factor on the lengths and widths of strands on a stem.

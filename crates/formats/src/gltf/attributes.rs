@@ -83,7 +83,7 @@ fn split_components(out: &mut BTreeMap<String, Attribute>) {
             continue;
         };
         for (k, part) in parts.into_iter().enumerate() {
-            let data = data.iter().skip(k).step_by(width).copied().collect();
+            let data = data.chunks_exact(width).map(|value| value[k]).collect();
             out.insert(part, Attribute { width: 1, data });
         }
     }

@@ -30,6 +30,11 @@ impl Builder {
         }
     }
 
+    /// Makes room for about as many bytes of binary data, so that they are not moved as they grow.
+    pub fn reserve(&mut self, bytes: usize) {
+        self.binary.reserve(bytes);
+    }
+
     /// Appends an entry to a top-level list. Returns its index.
     pub fn push(&mut self, list: &'static str, value: Value) -> usize {
         let entries = self.lists.entry(list).or_default();
@@ -100,12 +105,7 @@ impl Builder {
 
     /// Stores numbers. Returns the accessor.
     fn numbers(&mut self, data: &[f32], width: usize, target: Option<u32>) -> usize {
-        let view = self.view_with(target, |binary| {
-            binary.reserve(4 * data.len());
-            for v in data {
-                binary.extend_from_slice(&v.to_le_bytes());
-            }
-        });
+        let view = self.view_with(target, |binary| append(binary, data, |v| v.to_le_bytes()));
         let shape = match width {
             1 => "SCALAR",
             2 => "VEC2",
@@ -145,13 +145,12 @@ impl Builder {
     pub fn indices(&mut self, triangles: &[[u32; 3]], vertices: usize) -> usize {
         // 65535 is not a valid 16-bit index: it restarts primitives (§3.7.2.1).
         let is_short = vertices <= 65535;
+        let indices = triangles.as_flattened();
         let view = self.view_with(Some(ELEMENT_ARRAY_BUFFER), |binary| {
-            for &i in triangles.as_flattened() {
-                if is_short {
-                    binary.extend_from_slice(&(i as u16).to_le_bytes());
-                } else {
-                    binary.extend_from_slice(&i.to_le_bytes());
-                }
+            if is_short {
+                append(binary, indices, |i| (i as u16).to_le_bytes());
+            } else {
+                append(binary, indices, |i| i.to_le_bytes());
             }
         });
         let code = if is_short { 5123 } else { 5125 };
@@ -201,6 +200,20 @@ impl Builder {
             binary: self.binary,
             companions: self.companions,
         }
+    }
+}
+
+/// Appends numbers as bytes, in one piece.
+fn append<T: Copy, const N: usize>(
+    binary: &mut Vec<u8>,
+    numbers: &[T],
+    bytes: impl Fn(T) -> [u8; N],
+) {
+    let start = binary.len();
+    binary.resize(start + N * numbers.len(), 0);
+    let places = binary[start..].as_chunks_mut::<N>().0;
+    for (place, &number) in places.iter_mut().zip(numbers) {
+        *place = bytes(number);
     }
 }
 

@@ -92,7 +92,7 @@ fn edges(mesh: &Mesh, numbers: &[u32], report: &mut Report) {
     let mut boundary: Vec<[u32; 2]> = Vec::new();
     let mut opposites: Vec<u32> = Vec::new();
     edges.each(|low, uses| {
-        let high = uses[0].high;
+        let high = uses[0].high();
         let ends = |u: usize| {
             let (t, k) = (uses[u].triangle(), uses[u].edge());
             let (start, end) = ((3 * t + k) as u32, (3 * t + (k + 1) % 3) as u32);

@@ -2,23 +2,32 @@
 
 use super::points::corner_points;
 
-/// The use of an edge by a triangle.
+/// The use of an edge by a triangle: the edge's point with the higher number; three times the triangle, plus the number of the edge
+/// in it. They are one number, which is sorted by sooner than two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Use {
-    /// The edge's point with the higher number.
-    pub high: u32,
-    /// Three times the triangle, plus the number of the edge in it.
-    half_edge: u32,
-}
+pub(crate) struct Use(u64);
 
 impl Use {
+    fn new(high: u32, half_edge: u32) -> Self {
+        Use(u64::from(high) << 32 | u64::from(half_edge))
+    }
+
+    fn half_edge(self) -> u32 {
+        self.0 as u32
+    }
+
+    /// The edge's point with the higher number.
+    pub fn high(self) -> u32 {
+        (self.0 >> 32) as u32
+    }
+
     pub fn triangle(self) -> usize {
-        (self.half_edge / 3) as usize
+        (self.half_edge() / 3) as usize
     }
 
     /// The edge's number in the triangle: from corner `k` to corner `k + 1`.
     pub fn edge(self) -> usize {
-        (self.half_edge % 3) as usize
+        (self.half_edge() % 3) as usize
     }
 }
 
@@ -40,13 +49,7 @@ impl Edges {
             sum += *start;
             *start = sum;
         }
-        let mut uses = vec![
-            Use {
-                high: 0,
-                half_edge: 0
-            };
-            sum as usize
-        ];
+        let mut uses = vec![Use(0); sum as usize];
         each_use(triangles, points, |low, used| {
             starts[low as usize] -= 1;
             uses[starts[low as usize] as usize] = used;
@@ -64,7 +67,7 @@ impl Edges {
             while let Some(first) = uses.first() {
                 let end = uses
                     .iter()
-                    .position(|u| u.high != first.high)
+                    .position(|u| u.high() != first.high())
                     .unwrap_or(uses.len());
                 visit(low as u32, &uses[..end]);
                 uses = &uses[end..];
@@ -85,7 +88,7 @@ fn each_use(triangles: &[[u32; 3]], points: &[u32], mut visit: impl FnMut(u32, U
         for (k, (p, q)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
             let half_edge = (3 * t + k) as u32;
             let high = p.max(q);
-            visit(p.min(q), Use { high, half_edge });
+            visit(p.min(q), Use::new(high, half_edge));
         }
     }
 }

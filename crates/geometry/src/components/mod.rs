@@ -68,7 +68,7 @@ impl Mesh {
             [first, _, _, ..] => {
                 let triangles = uses.iter().map(|u| u.triangle() as u32).collect();
                 adjacency.non_manifold.push(NonManifoldEdge {
-                    points: [low, first.high],
+                    points: [low, first.high()],
                     triangles,
                 });
             }

@@ -2,6 +2,7 @@
 
 use super::{Edges, number_points};
 use crate::Mesh;
+use glam::DVec3;
 
 /// The points and edges of a mesh.
 pub(crate) struct Topology {
@@ -22,5 +23,14 @@ impl Topology {
             count,
             edges,
         }
+    }
+
+    /// Returns the positions of the points of its mesh.
+    pub fn positions(&self, mesh: &Mesh) -> Vec<DVec3> {
+        let mut positions = vec![DVec3::ZERO; self.count];
+        for (&point, &position) in self.points.iter().zip(&mesh.positions) {
+            positions[point as usize] = position;
+        }
+        positions
     }
 }

@@ -79,6 +79,24 @@ impl Plane {
         }
         any && (above || below)
     }
+
+    /// As [`Plane::is_clearly_beside`], of the points that are not marked. Without branches: of most pairs it is called for nothing
+    /// else is asked.
+    #[inline]
+    pub(crate) fn is_clearly_beside_but(&self, points: [(DVec3, bool); 3]) -> bool {
+        let (mut above, mut below, mut any) = (true, true, false);
+        for (p, left_out) in points {
+            let w = p - self.origin;
+            let (value, bound) = (
+                self.normal.dot(w),
+                self.error * w.abs().element_sum() + f64::MIN_POSITIVE,
+            );
+            above &= left_out | (value > bound);
+            below &= left_out | (value < -bound);
+            any |= !left_out;
+        }
+        any & (above | below)
+    }
 }
 
 /// Whether all corners of `of` (but the first, if it is shared) lie clearly on one side of the plane of `plane`.

@@ -91,9 +91,14 @@ impl<'a> TriangleContacts<'a> {
     }
 
     /// Whether triangle `t` lies clearly on one side of triangle `s` but for the corners that they share.
+    #[inline]
     fn is_clearly_beside(&self, s: usize, t: usize) -> bool {
-        let others = (self.triangles[t].iter()).filter(|v| !self.triangles[s].contains(v));
-        self.planes[s].is_clearly_beside(others.map(|&v| self.positions[v as usize]))
+        let [a, b, c] = self.triangles[s];
+        let corner = |v: u32| {
+            let shared = (v == a) | (v == b) | (v == c);
+            (self.positions[v as usize], shared)
+        };
+        self.planes[s].is_clearly_beside_but(self.triangles[t].map(corner))
     }
 }
 

@@ -157,37 +157,27 @@ pub fn crossing_pairs(
     triangles: &[[u32; 3]],
     changed: Option<&[u32]>,
 ) -> Vec<[u32; 2]> {
-    let mut pairs = Vec::new();
-    let mut add = |s: u32, t: u32, contact: Contact| {
-        if contact == Contact::Crossing && s != t {
-            pairs.push([s.min(t), s.max(t)]);
-        }
+    let Some(changed) = changed else {
+        let all = Mesh {
+            positions: positions.to_vec(),
+            triangles: triangles.to_vec(),
+            ..Mesh::default()
+        };
+        return crossing_pairs_within(positions, triangles, triangles.len(), &contact_boxes(&all));
     };
-    match changed {
-        None => {
-            let all = Mesh {
-                positions: positions.to_vec(),
-                triangles: triangles.to_vec(),
-                ..Mesh::default()
-            };
-            let contacts = TriangleContacts::new(positions, triangles);
-            overlapping_pairs(&contact_boxes(&all), |s, t| {
-                add(s as u32, t as u32, contacts.between(s, t));
-            });
-        }
-        Some(changed) => {
-            // Few have changed, mostly: a tree of those alone is quickly built.
-            let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize]);
-            let boxes: Vec<Aabb> = changed.iter().map(|&t| Aabb::around(&corners(t))).collect();
-            let tree = Bvh::new(&boxes);
-            for t in 0..triangles.len() as u32 {
-                let place = corners(t);
-                tree.overlapping(&Aabb::around(&place), |i| {
-                    let s = changed[i];
-                    add(s, t, contact(corners(s), place));
-                });
+    let mut pairs = Vec::new();
+    // Few have changed, mostly: a tree of those alone is quickly built.
+    let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize]);
+    let boxes: Vec<Aabb> = changed.iter().map(|&t| Aabb::around(&corners(t))).collect();
+    let tree = Bvh::new(&boxes);
+    for t in 0..triangles.len() as u32 {
+        let place = corners(t);
+        tree.overlapping(&Aabb::around(&place), |i| {
+            let s = changed[i];
+            if s != t && contact(corners(s), place) == Contact::Crossing {
+                pairs.push([s.min(t), s.max(t)]);
             }
-        }
+        });
     }
     pairs.sort_unstable();
     pairs.dedup();
@@ -204,12 +194,7 @@ pub fn crossing_pairs_within(
     boxes: &[Aabb],
 ) -> Vec<[u32; 2]> {
     let contacts = TriangleContacts::new(positions, triangles);
-    let mut pairs = Vec::new();
-    overlapping_pairs(boxes, |s, t| {
-        if s < count && contacts.between(s, t) == Contact::Crossing {
-            pairs.push([s as u32, t as u32]);
-        }
-    });
-    pairs.sort_unstable();
-    pairs
+    overlapping_pairs(boxes, count, |s, t| {
+        contacts.between(s, t) == Contact::Crossing
+    })
 }

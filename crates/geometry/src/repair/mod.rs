@@ -12,6 +12,8 @@ mod untangle;
 pub use bisection::{EdgeBisector, crossing_pairs, crossing_pairs_within};
 pub use collapse::{Collapsed, EdgeCollapser};
 pub use seams::{SEAM_TOLERANCE, close_seams, close_seams_of_scene};
-pub use self_intersections::{KnownPositions, Rounded, resolve_self_intersections, round_to_f32};
+pub use self_intersections::{
+    KnownPositions, Rounded, resolve_self_intersections, round_halves_to_f32, round_to_f32,
+};
 pub use snap::snap_to_f32;
 pub use untangle::{Untangled, Untangler};

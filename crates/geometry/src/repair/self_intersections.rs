@@ -5,12 +5,12 @@
 //! round to round, until nothing crosses. Triangles whose corners have come to lie on one line, and edges that have come
 //! to lie on each other, are removed in the same way.
 
-use super::bisection::crossing_pairs;
+use super::bisection::{crossing_pairs, crossing_pairs_within};
 use super::collapse::{Collapsed, EdgeCollapser};
 use super::snap::snap_with_topology;
 use crate::Mesh;
 use crate::components::Topology;
-use crate::intersect::{Contact, TriangleContacts, collinear, contact_boxes, overlapping_pairs};
+use crate::intersect::{collinear, contact_boxes};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
@@ -23,7 +23,7 @@ const ROUNDS: i32 = 13;
 
 /// Positions, rounded to `f32`, of points whose faults the input brought along and that are left as they are.
 #[derive(Debug, Clone, Default)]
-pub struct KnownPositions(FxHashSet<[u32; 3]>);
+pub struct KnownPositions(FxHashSet<(u64, u32)>);
 
 impl KnownPositions {
     /// Returns the positions of a mesh.
@@ -36,16 +36,23 @@ impl KnownPositions {
     }
 }
 
-/// The bits of a position in `f32`; both zeros have the same.
-fn position_key(p: DVec3) -> [u32; 3] {
-    (p.as_vec3() + 0.0).to_array().map(f32::to_bits)
+/// The bits of a position in `f32`; both zeros have the same. Two numbers are hashed sooner than an array.
+fn position_key(p: DVec3) -> (u64, u32) {
+    let [x, y, z] = (p.as_vec3() + 0.0).to_array().map(f32::to_bits);
+    (u64::from(x) << 32 | u64::from(y), z)
 }
 
 /// Collapses short edges until no triangle crosses another, is degenerate or shares an edge with more than one other.
 /// Triangles with all corners at `known` positions are left as they are. Snap positions to `f32` first
 /// ([`super::snap_to_f32`]).
 pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Collapsed {
-    resolve(mesh, known, Topology::of(mesh)).0
+    resolve(mesh, known, Topology::of(mesh), None).0
+}
+
+/// The triangles of a broken face in a mesh, ascending, and the pairs of them that cross, by their places in that list.
+struct FaceCrossings<'a> {
+    triangles: &'a [u32],
+    crossing: &'a [[u32; 2]],
 }
 
 /// A mesh that was rounded to the precision of files.
@@ -63,7 +70,63 @@ pub struct Rounded {
 /// measures the outcome ([`Mesh::closed_volume`]), finding its points and edges once.
 pub fn round_to_f32(mesh: &mut Mesh, inner: u32, known: &KnownPositions) -> Rounded {
     let topology = snap_with_topology(mesh, inner);
-    let (collapsed, topology) = resolve(mesh, known, topology);
+    resolved(mesh, known, topology, None)
+}
+
+/// As [`round_to_f32`] of each of the two halves of a break, at the same time. Mostly both have the same face, of material `inner`,
+/// seen from either side: then the crossings in it are looked for once.
+pub fn round_halves_to_f32(
+    [one, other]: [&mut Mesh; 2],
+    inner: u32,
+    known: &KnownPositions,
+) -> [Rounded; 2] {
+    let snapped = rayon::join(
+        || snap_with_topology(one, inner),
+        || snap_with_topology(other, inner),
+    );
+    let faces = [&*one, &*other].map(|mesh| {
+        let face = 0..mesh.triangles.len() as u32;
+        face.filter(|&t| mesh.material(t as usize) == inner)
+            .collect()
+    });
+    let crossing: Option<Vec<[u32; 2]>> = is_same_face([one, other], &faces).then(|| {
+        let corners = |&t: &u32| one.triangles[t as usize].map(|v| snapped.0.points[v as usize]);
+        let triangles = faces[0].iter().map(corners).collect();
+        crossing_among(snapped.0.positions(one), triangles, usize::MAX)
+    });
+    let crossings = faces.each_ref().map(|triangles| {
+        let crossing = crossing.as_deref();
+        crossing.map(|crossing| FaceCrossings {
+            triangles,
+            crossing,
+        })
+    });
+    let [of_one, of_other] = crossings;
+    let (one, other) = rayon::join(
+        || resolved(one, known, snapped.0, of_one),
+        || resolved(other, known, snapped.1, of_other),
+    );
+    [one, other]
+}
+
+/// Whether two meshes have the same face, each seen from its own side: the same triangles at the same places, turned over.
+fn is_same_face([one, other]: [&Mesh; 2], faces: &[Vec<u32>; 2]) -> bool {
+    let [face, turned] = faces;
+    face.len() == turned.len()
+        && face.iter().zip(turned).all(|(&t, &u)| {
+            let [a, b, c] = other.corners(u as usize);
+            one.corners(t as usize) == [a, c, b]
+        })
+}
+
+/// Resolves and measures a mesh that is snapped.
+fn resolved(
+    mesh: &mut Mesh,
+    known: &KnownPositions,
+    topology: Topology,
+    face: Option<FaceCrossings>,
+) -> Rounded {
+    let (collapsed, topology) = resolve(mesh, known, topology, face);
     let topology = topology.unwrap_or_else(|| Topology::of(mesh));
     let (closed, volume) = mesh.closed_volume_with(&topology);
     Rounded {
@@ -79,6 +142,7 @@ fn resolve(
     mesh: &mut Mesh,
     known: &KnownPositions,
     topology: Topology,
+    face: Option<FaceCrossings>,
 ) -> (Collapsed, Option<Topology>) {
     let (low, high) = mesh
         .positions
@@ -87,13 +151,13 @@ fn resolve(
             (l.min(p), h.max(p))
         });
     let extent = (high - low).length();
-    let is_known: Vec<bool> = mesh.positions.iter().map(|&p| known.contains(p)).collect();
-    let is_ours: Vec<bool> = mesh
-        .triangles
-        .iter()
-        .map(|t| !t.iter().all(|&v| is_known[v as usize]))
+    let positions = topology.positions(mesh);
+    let is_known: Vec<bool> = positions.iter().map(|&p| known.contains(p)).collect();
+    let is_known = |v: u32| is_known[topology.points[v as usize] as usize];
+    let is_ours: Vec<bool> = (mesh.triangles.iter())
+        .map(|t| !t.iter().all(|&v| is_known(v)))
         .collect();
-    let mut faults = faults_among(mesh, &is_ours, &topology);
+    let mut faults = faults_among(mesh, &is_ours, (positions, &topology), face);
     let mut done = Collapsed {
         faults: faults.len(),
         remaining: faults.len(),
@@ -140,33 +204,19 @@ fn resolve(
 }
 
 /// Returns the faults of the triangles that are `chosen`: pairs that cross, then as pairs with themselves those without
-/// area or at an edge with more than two triangles.
-fn faults_among(mesh: &Mesh, chosen: &[bool], topology: &Topology) -> Vec<[u32; 2]> {
-    let Topology { points, count, .. } = topology;
-    let mut positions = vec![DVec3::ZERO; *count];
-    for (&point, &position) in points.iter().zip(&mesh.positions) {
-        positions[point as usize] = position;
-    }
-    let at_points = |t: usize| mesh.triangles[t].map(|v| points[v as usize]);
-    let ours: Vec<usize> = (0..chosen.len()).filter(|&t| chosen[t]).collect();
-    let part = Mesh {
-        positions,
-        triangles: ours.iter().map(|&t| at_points(t)).collect(),
-        ..Mesh::default()
-    };
-    let contacts = TriangleContacts::new(&part.positions, &part.triangles);
-    let mut faults = Vec::new();
-    overlapping_pairs(&contact_boxes(&part), |s, t| {
-        if contacts.between(s, t) == Contact::Crossing {
-            faults.push([ours[s] as u32, ours[t] as u32]);
-        }
-    });
-    faults.sort_unstable();
-    let mut is_faulty: Vec<bool> = vec![false; chosen.len()];
-    for (t, &index) in ours.iter().enumerate() {
-        let [a, b, c] = part.corners(t);
-        is_faulty[index] = collinear(a, b, c);
-    }
+/// area or at an edge with more than two triangles. `positions` are those of the points. Crossings in a `face` are known.
+fn faults_among(
+    mesh: &Mesh,
+    chosen: &[bool],
+    (positions, topology): (Vec<DVec3>, &Topology),
+    face: Option<FaceCrossings>,
+) -> Vec<[u32; 2]> {
+    let mut is_faulty: Vec<bool> = (0..chosen.len())
+        .map(|t| {
+            let [a, b, c] = mesh.corners(t);
+            chosen[t] && collinear(a, b, c)
+        })
+        .collect();
     topology.edges.each(|_, uses| {
         if uses.len() > 2 {
             for used in uses {
@@ -174,7 +224,104 @@ fn faults_among(mesh: &Mesh, chosen: &[bool], topology: &Topology) -> Vec<[u32; 
             }
         }
     });
+    // Those of the face come last.
+    let face = face
+        .as_ref()
+        .map_or((&[][..], &[][..]), |face| (face.triangles, face.crossing));
+    let is_chosen = |t: &u32| chosen[*t as usize];
+    let mut in_face = face.0.iter().copied().peekable();
+    let others = (0..chosen.len() as u32).filter(|t| in_face.next_if_eq(t).is_none());
+    let mut ours: Vec<u32> = others.filter(is_chosen).collect();
+    let unknown = ours.len();
+    ours.extend(face.0.iter().copied().filter(is_chosen));
+    let at_points = |t: &u32| mesh.triangles[*t as usize].map(|v| topology.points[v as usize]);
+    let triangles = ours.iter().map(at_points).collect();
+    let crossing = crossing_among(positions, triangles, unknown);
+    let ascending = |[s, t]: [u32; 2]| [s.min(t), s.max(t)];
+    let mut faults: Vec<[u32; 2]> = (crossing.into_iter())
+        .map(|pair| ascending(pair.map(|i| ours[i as usize])))
+        .collect();
+    let known = face.1.iter().map(|pair| pair.map(|i| face.0[i as usize]));
+    faults.extend(known.filter(|pair| pair.iter().all(is_chosen)));
+    faults.sort_unstable();
     let alone = (0..chosen.len() as u32).filter(|&t| is_faulty[t as usize]);
     faults.extend(alone.map(|t| [t, t]));
     faults
+}
+
+/// Returns the pairs of triangles on points that cross, of which at least one is among the first `count`, ascending.
+fn crossing_among(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, count: usize) -> Vec<[u32; 2]> {
+    let part = Mesh {
+        positions,
+        triangles,
+        ..Mesh::default()
+    };
+    crossing_pairs_within(
+        &part.positions,
+        &part.triangles,
+        count,
+        &contact_boxes(&part),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Triangles strewn in a cube, repeatable: many of them cross.
+    fn strewn(seed: u64, count: usize) -> Vec<[DVec3; 3]> {
+        let mut state = seed;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let mut point = || DVec3::new(next(), next(), next());
+        (0..count)
+            .map(|_| {
+                let at = point();
+                [(); 3].map(|()| at + point() * 0.5)
+            })
+            .collect()
+    }
+
+    /// A mesh of a skin, material 0, and of a face, material 1.
+    fn half(skin: &[[DVec3; 3]], face: &[[DVec3; 3]]) -> Mesh {
+        let all = || skin.iter().chain(face);
+        Mesh {
+            positions: all().flatten().copied().collect(),
+            triangles: (0..all().count() as u32)
+                .map(|t| [0, 1, 2].map(|k| 3 * t + k))
+                .collect(),
+            materials: all()
+                .enumerate()
+                .map(|(t, _)| u32::from(t >= skin.len()))
+                .collect(),
+            ..Mesh::default()
+        }
+    }
+
+    #[test]
+    fn halves_are_rounded_as_each_alone() {
+        let face = strewn(1, 120);
+        let turned: Vec<[DVec3; 3]> = face.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let mut other_face = turned.clone();
+        other_face[60][0].x += 0.01;
+        for (upper_face, is_same) in [(turned, true), (other_face, false)] {
+            let mut halves = [
+                half(&strewn(2, 40), &face),
+                half(&strewn(3, 50), &upper_face),
+            ];
+            let known = KnownPositions::from_mesh(&halves[0].submesh([0, 1, 50, 51].into_iter()));
+            let mut alone = halves.clone();
+            let expected = alone.each_mut().map(|mesh| round_to_f32(mesh, 1, &known));
+            let faces = [40..160, 50..170].map(|face| face.collect());
+            assert_eq!(is_same_face(halves.each_ref(), &faces), is_same);
+            let rounded = round_halves_to_f32(halves.each_mut(), 1, &known);
+            assert_eq!(rounded, expected);
+            assert_eq!(halves, alone);
+            assert!(rounded.iter().all(|half| half.collapsed.faults > 20));
+        }
+    }
 }

@@ -74,7 +74,7 @@ fn triangles_with_equal_points(mesh: &Mesh, topology: &Topology) -> Vec<usize> {
         across.extend(uses.iter().filter_map(|u| {
             let third = mesh.triangles[u.triangle()][(u.edge() + 2) % 3];
             let third = topology.points[third as usize];
-            (third > u.high).then_some((third, u.triangle()))
+            (third > u.high()).then_some((third, u.triangle()))
         }));
         across.sort_unstable();
         let pairs = across.windows(2).filter(|w| w[0].0 == w[1].0);

@@ -23,19 +23,7 @@ struct Sheet {
 /// Moves points of a rounded mesh apart that rounding has brought together without an edge between them, by one step of `f32` towards
 /// where they were. `points` are the numbers of the vertices' points, `before` is what [`inexact`] gave. Returns whether any moved.
 pub(super) fn part_touching(mesh: &mut Mesh, points: &[u32], before: &[(u32, DVec3)]) -> bool {
-    let mut groups: FxHashMap<u32, Vec<Sheet>> = FxHashMap::default();
-    for &(v, from) in before {
-        add(groups.entry(points[v as usize]).or_default(), v, from);
-    }
-    let mut moved = before.iter().map(|b| b.0).peekable();
-    for (v, &point) in (0..).zip(points) {
-        if moved.next_if_eq(&v).is_none()
-            && let Some(sheets) = groups.get_mut(&point)
-        {
-            add(sheets, v, mesh.positions[v as usize]);
-        }
-    }
-    groups.retain(|_, sheets| sheets.len() > 1);
+    let mut groups = brought_together(mesh, points, before);
     if groups.is_empty() {
         return false;
     }
@@ -58,6 +46,52 @@ pub(super) fn part_touching(mesh: &mut Mesh, points: &[u32], before: &[(u32, DVe
         }
     }
     !groups.is_empty()
+}
+
+/// Returns the points whose vertices had more than one position before rounding, each with its sheets. They are few: all else is
+/// told by one number for each point.
+fn brought_together(
+    mesh: &Mesh,
+    points: &[u32],
+    before: &[(u32, DVec3)],
+) -> FxHashMap<u32, Vec<Sheet>> {
+    // Where the first vertex of each point was: an index into `before`, or `STAYED`.
+    const UNSEEN: u32 = u32::MAX;
+    const STAYED: u32 = u32::MAX - 1;
+    let mut first = vec![UNSEEN; points.len()];
+    let mut groups: FxHashMap<u32, Vec<Sheet>> = FxHashMap::default();
+    let mut moved = (0u32..).zip(before).peekable();
+    for (v, &point) in (0..).zip(points) {
+        let index = moved.next_if(|(_, b)| b.0 == v).map_or(STAYED, |(i, _)| i);
+        let first = &mut first[point as usize];
+        if *first == UNSEEN {
+            *first = index;
+        }
+        let same = *first == index
+            || (*first != STAYED
+                && index != STAYED
+                && before[*first as usize].1 == before[index as usize].1);
+        if !same {
+            groups.entry(point).or_default();
+        }
+    }
+    if groups.is_empty() {
+        return groups;
+    }
+    for &(v, from) in before {
+        if let Some(sheets) = groups.get_mut(&points[v as usize]) {
+            add(sheets, v, from);
+        }
+    }
+    let mut moved = before.iter().map(|b| b.0).peekable();
+    for (v, point) in (0..).zip(points) {
+        if moved.next_if_eq(&v).is_none()
+            && let Some(sheets) = groups.get_mut(point)
+        {
+            add(sheets, v, mesh.positions[v as usize]);
+        }
+    }
+    groups
 }
 
 fn add(sheets: &mut Vec<Sheet>, vertex: u32, from: DVec3) {

@@ -15,7 +15,7 @@ use crate::stages::{BreakStages, has_spiral_grain};
 use glam::DAffine3;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
 use greenstick_geometry::Mesh;
-use greenstick_geometry::repair::round_to_f32;
+use greenstick_geometry::repair::{Rounded, round_halves_to_f32, round_to_f32};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -194,25 +194,32 @@ impl Pieces {
         // Self-intersections of the input are left as they are.
         let known = stages.stem.sound.known_positions();
         let scale = stages.stem.sound.volume_scale();
-        let written = |(role, mut mesh, motion): (PieceRole, Mesh, DAffine3)| {
-            let rounded = round_to_f32(&mut mesh, inner, known);
-            let report = PieceReport {
-                name: role.name(),
-                triangles: mesh.triangles.len(),
-                volume_m3: rounded.volume.map(|v| v * scale),
-                closed: rounded.closed,
-                fuzz_triangles: 0,
-                lean: None,
-            };
-            (role, mesh, motion, rounded.collapsed, report)
+        let report = |role: PieceRole, mesh: &Mesh, rounded: &Rounded| PieceReport {
+            name: role.name(),
+            triangles: mesh.triangles.len(),
+            volume_m3: rounded.volume.map(|v| v * scale),
+            closed: rounded.closed,
+            fuzz_triangles: 0,
+            lean: None,
         };
+        let mut meshes = meshes;
         let triangles: usize = meshes.iter().map(|(_, mesh, _)| mesh.triangles.len()).sum();
-        let meshes: Vec<_> = if triangles > MOST_AT_ONCE {
-            meshes.into_iter().map(written).collect()
-        } else {
-            meshes.into_par_iter().map(written).collect()
+        let round =
+            |(_, mesh, _): &mut (PieceRole, Mesh, DAffine3)| round_to_f32(mesh, inner, known);
+        let rounded: Vec<Rounded> = match &mut meshes[..] {
+            all if triangles > MOST_AT_ONCE => all.iter_mut().map(round).collect(),
+            [lower, upper, splinters @ ..] => {
+                let halves = [&mut lower.1, &mut upper.1];
+                let (halves, splinters) = rayon::join(
+                    || round_halves_to_f32(halves, inner, known),
+                    || splinters.par_iter_mut().map(round).collect::<Vec<_>>(),
+                );
+                halves.into_iter().chain(splinters).collect()
+            }
+            few => few.iter_mut().map(round).collect(),
         };
-        for (role, mesh, motion, collapsed, report) in meshes {
+        for ((role, mesh, motion), rounded) in meshes.into_iter().zip(rounded) {
+            let (report, collapsed) = (report(role, &mesh, &rounded), rounded.collapsed);
             if collapsed.faults > 0 {
                 self.notes.push(BreakNote::SelfIntersectionsResolved {
                     piece: role.name(),
