@@ -336,7 +336,7 @@ impl<'a> TornRelief<'a> {
         let base = level
             + torn * (torn_height - cleft)
             + (1.0 - torn) * crushed
-            + slant.dot(self.from_pivot(end, at))
+            + slant.dot(self.about_pivot(end, at))
             - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
         let width = 2.0 * bundle.half_width * rho * self.ends.ring_unit;
@@ -383,7 +383,7 @@ impl<'a> TornRelief<'a> {
 
     /// Returns a point (`at` in ring coordinates) from that about which the slab there slants, radii: the pith, or the middle of the
     /// slab where the pith is far.
-    fn from_pivot(&self, end: &TornEnd, at: DVec2) -> DVec2 {
+    fn about_pivot(&self, end: &TornEnd, at: DVec2) -> DVec2 {
         if !self.ends.is_board() {
             return at;
         }
