@@ -3,12 +3,16 @@
 
 use crate::height_model::{NoiseSamplers, purpose, unit};
 use crate::layout::{FibreBundle, FibreBundles, wrap_angle};
+use crate::outline;
 use crate::parameters::BreakParameters;
+use crate::plates::{Plate, brittleness};
+use crate::rays::Rays;
 use crate::slabs::{SectionPartition, SectionSpan, Slabs};
 use crate::strips::Strips;
 use crate::surface::{NONE, SectionLayout};
 use glam::DVec2;
 use greenstick_wood::noise;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// Everything that ends depend on besides the layout.
@@ -21,6 +25,7 @@ struct Key {
     strips: usize,
     radius: f64,
     pith: DVec2,
+    brittle: bool,
 }
 
 /// The torn ends of the bundles of a layout.
@@ -31,6 +36,9 @@ pub(crate) struct TornEnds {
     pub pith: DVec2,
     /// Middle of the section and half its width (m), for sections without a pith in them.
     board: Option<(DVec2, f64)>,
+    /// Radii in a unit of the ring coordinate, whose origin is the pith of the log that a board was cut from.
+    pub ring_unit: f64,
+    rays: Rays,
     pub slabs: Slabs,
     pub slivers: SectionPartition,
     pub strips: Strips,
@@ -82,6 +90,8 @@ pub(crate) struct TornEnd {
     pub strip_end: f64,
     /// Random numbers of the string of inner bark that it is part of.
     pub string_random: [f64; 2],
+    /// The plates that it broke across in, if it is brittle.
+    brittle_plate: Plate,
 }
 
 /// A node of a bundle.
@@ -97,6 +107,8 @@ pub(crate) struct EndNode {
     pub slab: f64,
     /// Unevenness of short breaks, about −1 to 1: one value for all bundles at the node.
     pub rough: f64,
+    /// Height of the plate that the bundle broke in, in steps of brittle wood.
+    pub plate: f64,
     /// Outline of the bundle's own end.
     pub own_outline: f64,
     /// Raggedness of the bundle's own end.
@@ -106,6 +118,8 @@ pub(crate) struct EndNode {
 /// How many parts a sliver splits into towards its tip, on average, and the most of all slivers.
 const FORKS: usize = 5;
 const MAX_FORKS: usize = 4000;
+/// How many times as large the span of a board's rings and rays counts at most.
+const MAX_SPANS: f64 = 8.0;
 /// Greatest length of such a part over its width.
 const FORK_SLENDERNESS: f64 = 7.0;
 /// Shares of the sides of slivers along rings and along rays that have a cleft, its width, radii, and the greatest part of a
@@ -116,14 +130,10 @@ const CLEFT_WIDTH: f64 = 0.024;
 const CLEFT_SHARE: f64 = 0.4;
 /// Ring coordinates between which clefts end: wood under bark is torn as that is.
 const CLEFTS_END: (f64, f64) = (0.8, 0.88);
+/// Greatest part of its height that a sliver lacks on one side of its thickness.
+const MAX_BEVEL: f64 = 0.65;
 /// How many steps of a ring follow each other along a radius's length of it.
 const STEPS_PER_RADIUS: f64 = 4.0;
-
-/// Returns the angle of a point, `at` in ring coordinates, among rays that wander, so that slabs do not end on straight lines
-/// to the pith.
-pub(crate) fn wandering_angle(noises: &mut NoiseSamplers, phi: f64, at: DVec2) -> f64 {
-    phi + 0.16 * noises.wander.at(at * 3.5)
-}
 
 impl TornEnds {
     /// Returns the ends of `bundles`: the cached ones where nothing has changed that they depend on. `radius` and `pith` are
@@ -143,6 +153,7 @@ impl TornEnds {
             strips: p.bark_strips as usize,
             radius,
             pith,
+            brittle: brittleness(p) > 0.0,
         };
         if let Some(ends) = cache
             && ends.key == key
@@ -170,21 +181,34 @@ impl TornEnds {
             (None, Some(&node)) => node,
             _ => key.pith,
         };
+        let ring_unit = span.phi.map_or(1.0, |_| ring_unit(bundles, &key));
+        // Counts are those of the section, which takes a part of the span of its rings and rays.
+        let spans = match span.phi {
+            Some(_) => (span.area() * ring_unit * ring_unit / PI).clamp(1.0, MAX_SPANS),
+            None => 1.0,
+        };
+        let count = |count: usize, factor: f64| (count as f64 * factor).round() as usize;
+        let (slabs, slivers) = (
+            count(key.slabs, spans.sqrt().sqrt()),
+            count(key.slivers, spans),
+        );
         let mut ends = TornEnds {
             layout: bundles.layout.clone(),
             key,
             pith,
             board: span.phi.map(|_| middle_of(bundles)),
-            slabs: Slabs::new(&span, key.slabs, key.seed),
+            ring_unit,
+            rays: Rays::new(&span),
+            slabs: Slabs::new(&span, slabs, key.seed),
             slivers: SectionPartition::new(
                 &span,
-                key.slivers,
+                slivers,
                 key.aspect,
                 seed(key.seed, purpose::SLIVER),
             ),
             forks: SectionPartition::new(
                 &span,
-                (FORKS * key.slivers).min(MAX_FORKS),
+                (FORKS * slivers).min(MAX_FORKS),
                 key.aspect,
                 seed(key.seed, purpose::FORK),
             ),
@@ -200,6 +224,11 @@ impl TornEnds {
         ends
     }
 
+    /// Returns the angle (rad) of a point among rays that wander, so that slabs do not end on straight lines to the pith.
+    pub fn ray_angle(&self, noises: &mut NoiseSamplers, rho: f64, phi: f64) -> f64 {
+        self.rays.angle(noises, (rho, phi), unit(1.0, phi))
+    }
+
     fn random(&self, purpose: u64, a: i64, b: i64) -> f64 {
         noise::unit(seed(self.key.seed, purpose), a, b, 0)
     }
@@ -210,6 +239,11 @@ impl TornEnds {
             NONE => unit * self.key.radius + self.pith,
             tip => bundles.layout.nodes[tip as usize],
         }
+    }
+
+    /// Returns whether the section has no pith in it.
+    pub fn is_board(&self) -> bool {
+        self.board.is_some()
     }
 
     /// Returns a point (`unit` in ring coordinates, `at` in m) in the coordinates of the compression shelf.
@@ -231,7 +265,7 @@ impl TornEnds {
             };
         }
         let key = index as i64;
-        let wandered = wandering_angle(noises, bundle.phi, unit);
+        let wandered = self.ray_angle(noises, rho, bundle.phi);
         let number = self.slivers.find(rho, wandered);
         let (ring, ray) = self.slivers.middle(number);
         let (slab, height) = self.slabs.at(rho, wandered);
@@ -248,7 +282,7 @@ impl TornEnds {
             sliver_random: [sliver(9), sliver(0), sliver(1)],
             fork: part as u32,
             fork_random: [fork(0), fork(1)],
-            fork_height: FORK_SLENDERNESS * self.forks.region(part).size().0,
+            fork_height: FORK_SLENDERNESS * self.ring_unit * self.forks.region(part).size().0,
             cleft: self.cleft(number, self.slivers.within(number, rho, wandered))
                 * (1.0 - noise::smoothstep(CLEFTS_END.0, CLEFTS_END.1, rho)),
             fibre_random: [1, 2, 3].map(|n| self.random(purpose::FIBRE, key, n)),
@@ -268,6 +302,12 @@ impl TornEnds {
                 0.0
             },
             string_random: [i64::from(bundle.ring), 1].map(|n| self.random(purpose::BARK, pair, n)),
+            brittle_plate: if self.key.brittle {
+                let at = (self.middle(bundles, index, unit) - self.pith) / self.key.radius;
+                Plate::large(seed(self.key.seed, purpose::PLATE), at)
+            } else {
+                Plate::default()
+            },
         }
     }
 
@@ -277,6 +317,7 @@ impl TornEnds {
         let (width, thickness) = self.slivers.region(sliver).size();
         // Clefts are of one width, and leave most of a thin sliver as it is.
         let border = |size: f64| 1.0 - (2.0 * CLEFT_WIDTH / size.max(1e-9)).min(CLEFT_SHARE);
+        let (width, thickness) = (width * self.ring_unit, thickness * self.ring_unit);
         let random = |k: i64| self.random(purpose::GROUP, sliver as i64, k);
         let sides = [
             (at.y, border(thickness), RING_CLEFTS),
@@ -295,11 +336,21 @@ impl TornEnds {
         (0..).zip(sides).map(depth).fold(0.0, f64::max)
     }
 
+    /// Returns the part of its height that a sliver has at a point of its thickness (−1 to 1): splinters are thinner towards
+    /// their tips.
+    fn bevel(&self, sliver: usize, across: f64) -> f64 {
+        let random = 2.0 * self.random(purpose::GROUP, sliver as i64, 3) - 1.0;
+        let depth = MAX_BEVEL * random.abs();
+        let side = if random < 0.0 { -across } else { across };
+        let far = (1.0 + side) / 2.0;
+        1.0 - depth * far * far
+    }
+
     /// Finds the nodes of every bundle.
     fn find_nodes(&mut self, bundles: &FibreBundles, noises: &mut NoiseSamplers) {
         let nodes = bundles.addresses.iter().zip(&bundles.directions);
         let rays: Vec<f64> = nodes
-            .map(|(&(rho, phi), &direction)| wandering_angle(noises, phi, direction * rho))
+            .map(|(&at, &direction)| self.rays.angle(noises, at, direction))
             .collect();
         let rough: Vec<f64> = bundles
             .addresses
@@ -350,6 +401,7 @@ impl TornEnds {
             fork_outline: 0.0,
             slab: 0.0,
             rough,
+            plate: 0.0,
             own_outline: 0.0,
             raggedness: 0.0,
         };
@@ -369,11 +421,20 @@ impl TornEnds {
         let fork_kind = self.random(purpose::FORK, part as i64, 2);
         let off = wrap_angle(phi - bundle.phi);
         let along = (off / bundle.half_width.max(1e-9)).clamp(-1.0, 1.0);
+        let on_sliver = self.slivers.within(number, rho, wandered);
+        let on_part = self.forks.within(part, rho, wandered).x;
+        let at = (bundles.layout.nodes[node as usize] - self.pith) / self.key.radius;
         EndNode {
-            shared_outline: splinter_outline(kind, self.slivers.within(number, rho, wandered).x),
-            fork_outline: splinter_outline(fork_kind, self.forks.within(part, rho, wandered).x),
+            shared_outline: outline::SLIVERS.outline(kind, on_sliver.x)
+                * self.bevel(number, on_sliver.y),
+            fork_outline: outline::SLIVERS.outline(fork_kind, on_part),
+            plate: if self.key.brittle {
+                end.brittle_plate.at(at) + Plate::small(seed(self.key.seed, purpose::PLATE), at)
+            } else {
+                0.0
+            },
             slab: self.slabs.height(end.slab as usize, rho, wandered) - end.slab_heights.0,
-            own_outline: splinter_outline(own_kind, along),
+            own_outline: outline::BUNDLES.outline(own_kind, along),
             raggedness: noise::unit(
                 seed(self.key.seed, purpose::SHAFT),
                 i64::from(cell),
@@ -385,55 +446,18 @@ impl TornEnds {
     }
 }
 
-/// Shares of the ends of splinters that are broken off blunt, torn to one side, torn off on one side only, and pointed; the rest
-/// is frayed.
-const BLUNT: f64 = 0.3;
-const OBLIQUE: f64 = 0.24;
-const SHOULDERED: f64 = 0.18;
-const POINTED: f64 = 0.1;
-/// Height of the shoulder of a lath that was torn off on one side.
-const SHOULDER: f64 = 0.3;
-/// Drop across a blunt end.
-const BLUNT_DROP: f64 = 0.3;
-
-/// Returns the outline of a splinter's end, 0 to 1, over its width (`v` from −1 to 1). `kind` (0 to 1) selects a lath that is
-/// broken off blunt or torn to one side, one of which a part is gone, a point, or an end frayed into prongs.
-fn splinter_outline(kind: f64, v: f64) -> f64 {
-    let mut rest = kind;
-    let mut is_next = |share: f64| {
-        let inside = rest < share;
-        if !inside {
-            rest -= share;
-        }
-        inside.then_some(rest / share)
-    };
-    if let Some(k) = is_next(BLUNT) {
-        let drop = BLUNT_DROP * (2.0 * k - 1.0);
-        1.0 - (drop.abs() + drop * v) / 2.0
-    } else if let Some(k) = is_next(OBLIQUE) {
-        // The tip lies at an edge, but not all of the end is torn off.
-        let side = if k < 0.5 { v } else { -v };
-        ((1.2 + side) / 1.6).min(1.0)
-    } else if let Some(k) = is_next(SHOULDERED) {
-        let edge = 1.4 * (k - 0.5);
-        let side = if k < 0.5 { v - edge } else { edge - v };
-        SHOULDER + (1.0 - SHOULDER) * noise::smoothstep(-0.12, 0.12, side)
-    } else if let Some(k) = is_next(POINTED) {
-        let peak = 1.4 * (k - 0.5);
-        1.0 - (v - peak).abs() / (1.0 + peak.abs())
-    } else {
-        // Two or three prongs of different lengths.
-        let k = rest / (1.0 - BLUNT - OBLIQUE - SHOULDERED - POINTED);
-        let place = (1.0 + k) * (v + 1.0);
-        let prong = place.floor();
-        let tooth = 1.0 - (2.0 * (place - prong) - 1.0).abs();
-        let high = 0.55 + 0.45 * noise::unit(0, prong as i64, (k * 1e6) as i64, 0);
-        0.2 + 0.8 * high * (1.6 * tooth).min(1.0)
-    }
-}
-
 fn seed(seed: u64, purpose: u64) -> u64 {
     seed ^ purpose << 20
+}
+
+/// Returns how many radii are in a unit of the ring coordinate of a board, whose rings are arcs.
+fn ring_unit(bundles: &FibreBundles, key: &Key) -> f64 {
+    let nodes = bundles.layout.nodes.iter().zip(&bundles.addresses);
+    // Those beyond the skin lie farther out than their coordinates say.
+    let near = nodes.min_by(|a, b| a.1.0.total_cmp(&b.1.0));
+    near.map_or(1.0, |(node, address)| {
+        node.distance(key.pith) / (key.radius * address.0.max(1e-9))
+    })
 }
 
 /// Returns the middle of the section's bundles and half their extent, m.
@@ -449,33 +473,4 @@ fn middle_of(bundles: &FibreBundles) -> (DVec2, f64) {
         (low + high) / 2.0,
         ((high - low).max_element() / 2.0).max(1e-9),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ends_of_splinters_are_of_many_kinds_and_within_bounds() {
-        const KINDS: i32 = 2000;
-        let (mut blunt, mut pointed) = (0, 0);
-        for i in 0..KINDS {
-            let kind = (f64::from(i) + 0.5) / f64::from(KINDS);
-            let outline: Vec<f64> = (-50..=50)
-                .map(|j| splinter_outline(kind, f64::from(j) / 50.0))
-                .collect();
-            let ends = |pick: fn(f64, f64) -> f64, start| outline.iter().copied().fold(start, pick);
-            let (low, high) = (ends(f64::min, 1.0), ends(f64::max, 0.0));
-            assert!(low >= 0.0 && high <= 1.0 + 1e-12, "{kind}: {low} to {high}");
-            blunt += i32::from(low >= 1.0 - BLUNT_DROP - 1e-12);
-            let width = outline.iter().filter(|&&h| h > high - 0.1).count();
-            pointed += i32::from(width < 15);
-        }
-        // Blunt ones are as frequent as they are to be, and spears are the exception.
-        assert!(
-            (f64::from(blunt) / f64::from(KINDS) - BLUNT).abs() < 0.01,
-            "{blunt}"
-        );
-        assert!(pointed < KINDS / 4, "{pointed}");
-    }
 }

@@ -42,6 +42,12 @@ impl SectionSpan {
         phi: None,
     };
 
+    /// Returns its area, in squares of the unit of the ring coordinate.
+    pub(crate) fn area(&self) -> f64 {
+        let (low, high) = self.phi.unwrap_or((0.0, TAU));
+        0.5 * (self.rho.1 * self.rho.1 - self.rho.0 * self.rho.0) * (high - low)
+    }
+
     /// Returns the extent of the bundles of a layout.
     pub fn from_bundles(bundles: &[FibreBundle]) -> SectionSpan {
         let mut rho = (f64::INFINITY, 0.0f64);
@@ -229,6 +235,8 @@ pub(crate) struct Slabs {
 const SEED: u64 = 0x51ab;
 /// Width of slabs over their thickness, at most.
 const SLAB_ASPECT: f64 = 1.6;
+/// Drop of a board's slab from its ridge to its farther edge over its height.
+const BOARD_FALL: f64 = 1.3;
 
 impl Slabs {
     /// Splits the section into `count` slabs.
@@ -266,13 +274,25 @@ impl Slabs {
     /// Returns the height of a slab at a ring coordinate and an angle (rad) in it or at its edge.
     pub fn height(&self, number: usize, rho: f64, phi: f64) -> f64 {
         let slab = &self.slabs[number];
-        let off = (self.parts.within(number, rho, phi) - slab.ridge).abs();
-        let far = off / (DVec2::ONE + slab.ridge.abs());
-        // A slab that runs all around has no edge to fall to.
-        let (width, thickness) = self.parts.region(number).size();
-        let narrow = (4.0 * thickness / width.max(1e-9)).min(1.0);
-        let down = slab.fall * (0.75 * far.x * far.x.sqrt() * narrow + 0.35 * far.y * far.y);
+        let off = self.parts.within(number, rho, phi) - slab.ridge;
+        let far = off.abs() / (DVec2::ONE + slab.ridge.abs());
+        let down = if self.parts.around {
+            // A slab that runs all around has no edge to fall to.
+            let (width, thickness) = self.parts.region(number).size();
+            let narrow = (4.0 * thickness / width.max(1e-9)).min(1.0);
+            slab.fall * (0.75 * far.x * far.x.sqrt() * narrow + 0.35 * far.y * far.y)
+        } else {
+            // A wedge that runs out to both edges of the board's slab, on one side over a longer way.
+            let side = 1.0 - off.x.signum() * slab.ridge.x;
+            let out = off.x.abs() / side;
+            (0.5 + 0.5 * slab.fall) * (BOARD_FALL * out + 0.25 * far.y * far.y)
+        };
         slab.height * (1.0 - down)
+    }
+
+    /// Returns the ring coordinate and the angle (rad) of a slab's middle.
+    pub fn middle(&self, number: usize) -> (f64, f64) {
+        self.parts.middle(number)
     }
 
     /// Returns a slab.

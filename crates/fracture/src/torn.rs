@@ -5,11 +5,14 @@
 //! so that splinters are flat, wide along the ring, and only their tips are ragged. All heights are ratios to the
 //! stem's radius.
 
-use crate::ends::{EndNode, TornEnd, TornEnds, wandering_angle};
+mod bark;
+
+use crate::ends::{EndNode, TornEnd, TornEnds};
 use crate::field::HeightField;
 use crate::height_model::{HeightModel, NoiseSamplers, purpose, unit};
 use crate::layout::{FibreBundle, FibreBundles};
 use crate::parameters::ZoneParameters;
+use crate::plates::brittleness;
 use glam::DVec2;
 use greenstick_wood::noise;
 use greenstick_wood::tissue::Zone;
@@ -35,6 +38,8 @@ pub(crate) struct BundleHeight {
     blade: f64,
     /// Height of the unevenness that it shares with those beside it.
     rough: f64,
+    /// Height of the plates of brittle wood.
+    plates: f64,
     /// Height of the folds of crushed wood.
     folds: f64,
     /// Whether it has the noise of its nodes.
@@ -53,6 +58,8 @@ pub(crate) struct TornRelief<'a> {
     under_bark: Vec<f64>,
     /// Ring coordinate from which on wood is inner bark.
     inner_bark: f64,
+    /// How brittle the wood is, 0 to 1.
+    brittle: f64,
 }
 
 /// What is coarser than slivers at a bundle.
@@ -69,16 +76,6 @@ struct LargeShape {
     relief: f64,
 }
 
-/// Ring coordinate of the wood that bark follows.
-const UNDER_BARK: f64 = 0.95;
-/// How far the bark of a field's face stands over the wood or back from it before it tears along the grain, in bark
-/// heights.
-const BARK_OVERHANG: f64 = 1.5;
-/// Angle (rad) over which bark evens out the steps of the wood under it.
-const BARK_REACH: f64 = 0.25;
-/// How far strings of inner bark reach from the bark of a field's face, next to the wood, over that overhang; next to the
-/// bark it is less by one.
-const STRING_REACH: f64 = 1.3;
 /// How much of a field's height a bundle has from the middle of its sliver; the rest is that at its own place. With 1, slivers
 /// would be terraces wherever the field slopes; with 0, steps of the field would cut through slivers.
 const SLIVER_SHARE: f64 = 0.85;
@@ -90,9 +87,11 @@ const SHELF_BUNDLES: f64 = 0.12;
 /// By how much the borders of layers wander, and by how much those of slivers differ, radii.
 const LAYER_WANDER: f64 = 0.07;
 const LAYER_SLIVERS: f64 = 0.09;
-/// Distances from the border of a layer over which it runs out, radii, in the wood and in the bark.
+/// Distance from the border of a layer over which it runs out in the wood, radii, the same over its height, at least, and how much of that height bundles have from the middle of
+/// their sliver.
 const LAYER_ROOT: f64 = 0.04;
-const BARK_ROOT: f64 = 0.08;
+const LAYER_RUN_OUT: f64 = 0.055;
+const LAYER_SHARE: f64 = 0.6;
 /// Width of the folds of crushed wood, radii, at most: with the usual heights their sides lie at 45° to 60° to the grain.
 const FOLD_WIDTH: f64 = 0.17;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
@@ -103,6 +102,27 @@ const FOLD_RISE: f64 = 0.72;
 /// Depth of the deepest clefts between slivers over the heights by which slabs and slivers differ.
 const CLEFT_OF_SLABS: f64 = 0.5;
 const CLEFT_OF_SLIVERS: f64 = 1.1;
+/// Height of the plates of brittle wood over that of its steps.
+const PLATE_HEIGHT: f64 = 0.6;
+/// How much less rough they are than short breaks of wood that splinters, and how much lower fibres and steps stand out of them.
+const PLATE_SMOOTHNESS: f64 = 0.9;
+const PLATE_SHARPNESS: f64 = 0.85;
+/// Length of a long sliver from its root and of the taper of it, over the length that is drawn for it.
+const SLIVER_LENGTH: f64 = 2.5;
+const TAPER: f64 = 1.35;
+/// How much of the height of its slab a bundle has at its own place, and how much of it the shortest sliver lacks.
+const OWN_SHARE: f64 = 0.35;
+const SHORTEST: f64 = 0.75;
+/// The same in a board, whose slabs are as thick as it is: with slivers like treads of a stair they would be blocks.
+const BOARD_OWN_SHARE: f64 = 0.9;
+const BOARD_SHORTEST: f64 = 0.35;
+/// How much the slabs of a board slant over those of a stem: they are narrow against its width.
+const BOARD_SLANT: f64 = 0.5;
+/// How far strands of a sliver's tip end before it, and how far out of it, over the height of its outline.
+const STRANDS_BACK: f64 = 0.45;
+const STRANDS_OUT: f64 = 0.35;
+/// Share of the strands that do not end out of it.
+const LATE_STRANDS: f64 = 0.88;
 /// Greatest length of a blade over its width.
 const MAX_SLENDERNESS: f64 = 9.0;
 
@@ -122,6 +142,7 @@ impl<'a> TornRelief<'a> {
             bundles,
             field,
             under_bark: Vec::new(),
+            brittle: brittleness(p),
             inner_bark: ends.wood.map_or(2.0, |wood| wood - p.phloem_proportion),
             ends,
         };
@@ -174,25 +195,6 @@ impl<'a> TornRelief<'a> {
         }
     }
 
-    /// Returns the height of the wood under a strip of bark, as far as the bark follows it.
-    fn under_bark(&self, noises: &mut NoiseSamplers, strip: usize) -> f64 {
-        let p = self.model.p;
-        let phi = self.ends.strips.middle(strip);
-        if let Some(field) = self.field {
-            return self.around(field, phi) + p.bark_offset;
-        }
-        let at = unit(1.0, phi);
-        let place = self.ends.pith + at * self.model.site.radius;
-        let ragged = noises
-            .shelf
-            .at(self.ends.shelf_coordinates(at, place) * 3.0);
-        let torn = self.torn_share(self.distance_to_shelf(ragged, at, place));
-        let wandered = wandering_angle(noises, phi, at * UNDER_BARK);
-        let slab = self.ends.slabs.at(UNDER_BARK, wandered).1;
-        let wood = 0.7 * p.slab_height * self.model.site.relief * torn * slab;
-        self.model.stepped_torn(at, (0.99, phi), (0.0, BARK_ROOT)) + wood + p.bark_offset
-    }
-
     /// Returns the height of a bundle that ends at a field of nothing but heights.
     fn field_height(
         &self,
@@ -211,93 +213,11 @@ impl<'a> TornRelief<'a> {
             fork: 0.0,
             slab: 0.0,
             rough: 0.0,
+            plates: 0.0,
             folds: 0.0,
             noisy: false,
             blade: if bundle.bark { 0.0 } else { fibre },
             bark: bundle.bark,
-        }
-    }
-
-    /// Returns the height of the bark of a strip at an angle (rad), before its own relief: that of the wood under the
-    /// strip's middle. On a field whose wood stands far above or below that, the strip tears askew and follows the wood.
-    fn bark_level(&self, strip: usize, phi: f64) -> f64 {
-        let level = self.under_bark[strip];
-        match self.field {
-            None => level + self.border_of_layer(strip, phi),
-            Some(field) => {
-                let p = self.model.p;
-                let below = self.around(field, phi) + p.bark_offset;
-                let free = BARK_OVERHANG * p.bark_height * self.bark_relief(phi);
-                level.clamp(below - free, below + free)
-            }
-        }
-    }
-
-    /// Returns by how much the layers are higher at an angle (rad) than under the middle of a strip of bark, which tears askew where
-    /// one ends.
-    fn border_of_layer(&self, strip: usize, phi: f64) -> f64 {
-        let p = self.model.p;
-        if p.high.height == 0.0 && p.low.height == 0.0 {
-            return 0.0;
-        }
-        let at = |phi: f64| {
-            self.model
-                .stepped_torn(DVec2::ZERO, (0.99, phi), (0.0, BARK_ROOT))
-        };
-        at(phi) - at(self.ends.strips.middle(strip))
-    }
-
-    /// Returns the height of the wood under the bark about an angle (rad): bark is too tough along the ring to follow steps.
-    fn around(&self, field: &HeightField, phi: f64) -> f64 {
-        const SAMPLES: i32 = 6;
-        let (mut sum, mut weights) = (0.0, 0.0);
-        for sample in -SAMPLES..=SAMPLES {
-            let off = f64::from(sample) / f64::from(SAMPLES + 1);
-            let weight = 1.0 - off.abs();
-            sum += weight * field.at(UNDER_BARK, phi + off * BARK_REACH);
-            weights += weight;
-        }
-        sum / weights / self.model.site.radius
-    }
-
-    /// Returns the factor on the relief of bark at an angle (rad).
-    fn bark_relief(&self, phi: f64) -> f64 {
-        let local = self.field.and_then(|f| f.failure_at(1.0, phi));
-        local.map_or(1.0, |l| {
-            (0.3 + 0.7 * l.torn) * l.splintering.clamp(0.4, 1.5)
-        })
-    }
-
-    fn bark_height(
-        &self,
-        bundle: &FibreBundle,
-        end: &TornEnd,
-        middle: DVec2,
-        noise: f64,
-    ) -> BundleHeight {
-        let p = self.model.p;
-        // On a field every node of the bark has the height of its own angle.
-        let (level, tilt) = match self.field {
-            None => (
-                self.bark_level(end.strip as usize, bundle.phi),
-                self.model.tilt,
-            ),
-            Some(_) => (0.0, DVec2::ZERO),
-        };
-        BundleHeight {
-            base: level + 0.3 * noise,
-            thorn: 0.0,
-            raggedness: 0.0,
-            middle,
-            slant: tilt,
-            sliver: p.bark_height * self.bark_relief(bundle.phi),
-            fork: 0.0,
-            slab: 0.0,
-            blade: 0.0,
-            rough: 0.0,
-            folds: 0.0,
-            noisy: false,
-            bark: true,
         }
     }
 
@@ -317,9 +237,8 @@ impl<'a> TornRelief<'a> {
             let shelf = self.distance_to_shelf(end.shelf, at, middle)
                 + SHELF_SLIVERS * (end.sliver_random[2] - 0.5)
                 + SHELF_BUNDLES * (end.crushed_random[2] - 0.5);
-            let off = LAYER_WANDER * end.shelf + LAYER_SLIVERS * (end.sliver_random[2] - 0.5);
             return LargeShape {
-                level: model.stepped_torn(across, (rho, bundle.phi), (off, LAYER_ROOT)) + noise,
+                level: self.layers(end, across, (rho, bundle.phi)) + noise,
                 split: self.split(shelf, end.crushed_random[1]),
                 tilt: model.tilt,
                 torn: self.torn_share(shelf),
@@ -329,7 +248,7 @@ impl<'a> TornRelief<'a> {
         // The middle of the sliver, at the angle that wanders to that of its ray.
         let (ring, ray) = self.ends.slivers.middle(end.sliver as usize);
         let ring = ring.min(1.0);
-        let ray = 2.0 * ray - wandering_angle(noises, ray, unit(ring, ray));
+        let ray = 2.0 * ray - self.ends.ray_angle(noises, ring, ray);
         let own = field.at(rho, bundle.phi);
         let shared = field.at(ring, ray);
         let level = (own + (shared - own) * SLIVER_SHARE) / model.site.radius;
@@ -341,6 +260,22 @@ impl<'a> TornRelief<'a> {
             torn: failure.map_or(1.0, |f| f.torn),
             relief: failure.map_or(model.site.relief, |f| f.splintering),
         }
+    }
+
+    /// Returns the inclination and the layers at a bundle, `across` in radii. A high layer runs out on the slant, in laths that
+    /// end together as slivers do.
+    fn layers(&self, end: &TornEnd, across: DVec2, (rho, phi): (f64, f64)) -> f64 {
+        let p = self.model.p;
+        let off = LAYER_WANDER * end.shelf + LAYER_SLIVERS * (end.sliver_random[2] - 0.5);
+        let highest = p.high.height.max(-p.low.height);
+        let root = LAYER_ROOT.max(LAYER_RUN_OUT * highest);
+        let at = |rho, phi| self.model.stepped_torn(across, (rho, phi), (off, root));
+        let own = at(rho, phi);
+        if highest == 0.0 {
+            return own;
+        }
+        let (ring, ray) = self.ends.slivers.middle(end.sliver as usize);
+        own + (at(ring.min(1.0), ray) - own) * LAYER_SHARE
     }
 
     fn wood_height(
@@ -365,20 +300,20 @@ impl<'a> TornRelief<'a> {
         let slab = self.ends.slabs.slab(end.slab as usize);
         // Slivers run up a slab like the treads of a stair.
         let (own_height, shared) = end.slab_heights;
-        let slab_height = 0.35 * own_height + 0.65 * shared;
+        let (own_share, shortest) = self.slab_shares();
+        let slab_height = shared + (own_height - shared) * own_share;
         let [short, long, high] = end.sliver_random;
-        let slab_height = slab_height * (1.0 - 0.75 * short * short);
+        let slab_height = slab_height * (1.0 - shortest * short * short);
         // Both halves keep their splinters: every other slab tears downwards.
         let up = if slab.height > 0.0 { 1.0 } else { -1.0 };
         // Short ones are common, long ones rare.
-        let length = long * long * long;
-        let length = p.sliver_height * slab.splinters * length * relief * torn;
-        let (width, _) = self.ends.slivers.region(end.sliver as usize).size();
-        let outline = (0.9 * length + 0.7 * p.sliver_height * relief * torn * high)
-            .min(MAX_SLENDERNESS * width);
+        let length = p.sliver_height * relief * torn * slab.splinters * (long * long * long);
+        let (shaft, outline) = self.taper(end, length, p.sliver_height * relief * torn * high);
         // Fibres: most end with their sliver, a few stand out of it far.
         let [far, blade, off] = end.fibre_random;
         let fibre = relief * p.fibre_height * (0.25 + 0.75 * torn);
+        let splintered = 1.0 - PLATE_SHARPNESS * self.brittle;
+        let fibre = splintered * fibre;
         let blade =
             fibre * (0.5 + 3.0 * far * far * far * far * torn) + 0.08 * torn * length * blade;
         let [drop, fork] = end.fork_random;
@@ -388,18 +323,23 @@ impl<'a> TornRelief<'a> {
             p.compression_height * (0.8 * heavy(drop) + 0.15 * heavy(end.crushed_random[0]));
         let slant = slab.slant * (torn * relief * p.slab_height);
         let torn_height = relief * p.slab_height * slab_height
-            + up * (1.6 * length - 0.4 * p.sliver_height * relief * torn)
+            + up * (shaft - 0.4 * p.sliver_height * relief * torn)
             + up * 0.6 * length * heavy(drop)
-            + p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
-            + fibre * (off - 0.5);
+            + splintered * p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
+            + fibre * (off - 0.5)
+            + up * outline * strand(far, off);
         let cleft = up
+            * splintered
             * end.cleft
             * relief
             * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
-        let base =
-            level + torn * (torn_height - cleft) + (1.0 - torn) * crushed + slant.dot(at) - split;
+        let base = level
+            + torn * (torn_height - cleft)
+            + (1.0 - torn) * crushed
+            + slant.dot(self.about_pivot(end, at))
+            - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
-        let width = 2.0 * bundle.half_width * rho;
+        let width = 2.0 * bundle.half_width * rho * self.ends.ring_unit;
         BundleHeight {
             base,
             thorn: match self.field {
@@ -411,8 +351,10 @@ impl<'a> TornRelief<'a> {
             slant: slant + tilt,
             sliver: up * outline,
             fork: up * fork,
-            slab: 0.35 * torn * relief * p.slab_height * (1.0 - 0.75 * short * short),
-            rough: torn * p.step_height + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
+            slab: own_share * torn * relief * p.slab_height * (1.0 - shortest * short * short),
+            plates: torn * self.brittle * PLATE_HEIGHT * p.step_height,
+            rough: torn * p.step_height * (1.0 - PLATE_SMOOTHNESS * self.brittle)
+                + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
             folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
             noisy: true,
             blade: up * blade.min(3.0 * MAX_SLENDERNESS * width),
@@ -420,27 +362,33 @@ impl<'a> TornRelief<'a> {
         }
     }
 
-    /// Returns the height of inner bark, which tears in strings; some of them come off with the bark.
-    fn with_bark(&self, base: f64, end: &TornEnd, (rho, phi): (f64, f64)) -> f64 {
-        if rho <= self.inner_bark {
-            return base;
+    /// Returns the heights of the shaft of a sliver and of its outline, the taper on it, which is most of it. `length` is that drawn
+    /// for it, and `high` a height that its outline has in any case.
+    fn taper(&self, end: &TornEnd, length: f64, high: f64) -> (f64, f64) {
+        let (width, _) = self.ends.slivers.region(end.sliver as usize).size();
+        let most = MAX_SLENDERNESS * width * self.ends.ring_unit;
+        let outline = (TAPER * length + 0.7 * high).min(most);
+        ((SLIVER_LENGTH * length - outline).max(0.0), outline)
+    }
+
+    /// Returns how much of the height of its slab a bundle has at its own place, where the rest is that of its sliver, and how much of
+    /// that height the shortest sliver lacks.
+    fn slab_shares(&self) -> (f64, f64) {
+        if self.ends.is_board() {
+            (BOARD_OWN_SHARE, BOARD_SHORTEST)
+        } else {
+            (OWN_SHARE, SHORTEST)
         }
-        let [goes, long] = end.string_random;
-        let depth = ((rho - self.inner_bark) / self.model.p.phloem_proportion.max(1e-6)).min(1.0);
-        let with = noise::smoothstep(0.35, 0.75, goes * (0.55 + 0.75 * depth));
-        let level = self.bark_level(end.strip as usize, phi);
-        let height = self.model.p.bark_height * self.bark_relief(phi);
-        let base = match self.field {
-            None => base,
-            Some(_) => {
-                // Strings of inner bark do not reach far through the bark beside them.
-                let free = BARK_OVERHANG * height * (STRING_REACH - depth);
-                base.clamp(level - free, level + free)
-            }
-        };
-        // It tears at other heights than the bark outside of it.
-        let bark = level + height * (end.strip_end + 0.9 * heavy(long) - 0.1);
-        base + (bark - base) * with
+    }
+
+    /// Returns a point (`at` in ring coordinates) from that about which the slab there slants, radii: the pith, or the middle of the
+    /// slab where the pith is far.
+    fn about_pivot(&self, end: &TornEnd, at: DVec2) -> DVec2 {
+        if !self.ends.is_board() {
+            return at;
+        }
+        let (ring, ray) = self.ends.slabs.middle(end.slab as usize);
+        (at - unit(ring, ray)) * (BOARD_SLANT * self.ends.ring_unit)
     }
 
     /// Returns the length of a bundle's thorn. Thorns stand in groups: a sliver has several or none, of about one length.
@@ -524,6 +472,7 @@ impl<'a> TornRelief<'a> {
             + level.fork * node.fork_outline
             + level.slab * node.slab
             + level.rough * node.rough
+            + level.plates * node.plate
             + level.folds * self.fold(at, level.folds, node.rough);
         if level.thorn > 0.0 {
             // A slender prism, and on it a pyramid that leans to one side.
@@ -538,6 +487,13 @@ impl<'a> TornRelief<'a> {
         }
         height + level.blade * node.own_outline + level.raggedness * (node.raggedness - 0.5)
     }
+}
+
+/// Returns how far a strand of a sliver's tip ends from it, over the height of its outline, from two random numbers: most of a frayed
+/// tip broke together, some strands before, a few later.
+fn strand(later: f64, before: f64) -> f64 {
+    let (later, before) = ((later - LATE_STRANDS).max(0.0), before * before);
+    STRANDS_OUT * later / (1.0 - LATE_STRANDS) - STRANDS_BACK * before * before
 }
 
 /// Maps a random number from 0 to 1 to one from −1 to 1 with heavy tails: most are small.

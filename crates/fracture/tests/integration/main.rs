@@ -2,4 +2,5 @@
 
 mod cracks;
 mod cut;
+mod faces;
 mod layout;

@@ -31,6 +31,10 @@ pub struct FaceLayout {
     pub facet_grid: FacetGrid,
 }
 
+/// Sectors of the layout of a board over those asked for: it fills a small part of the rings and rays that it lies in, and would
+/// else break in pegs.
+const BOARD_SECTORS: f64 = 1.6;
+
 /// Everything that a layout depends on besides the stem.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutKey {
@@ -46,7 +50,10 @@ impl LayoutKey {
             style: p.surface,
             options: LayoutOptions {
                 rings: p.rings as usize,
-                sectors: p.sectors as usize,
+                sectors: match (p.surface, stem.extent.arc) {
+                    (Style::Fibrous, Some(_)) => (BOARD_SECTORS * f64::from(p.sectors)) as usize,
+                    _ => p.sectors as usize,
+                },
                 reach: stem.extent.reach,
                 radius: stem.extent.radius,
                 arc: stem.extent.arc,

@@ -14,6 +14,8 @@ const ATTEMPTS: usize = 6;
 const WELL_USED: f64 = 0.9;
 /// Part of a budget that is aimed at.
 const AIM: f64 = 0.96;
+/// Factor on a resolution by which a next coarser one is looked for.
+const ONE_STEP: f64 = 0.97;
 /// The fewest rings and sectors that a face can have.
 const COARSEST: (u32, u32) = (3, 10);
 
@@ -48,12 +50,15 @@ pub fn within_budget<T, E: From<BreakError>>(
     drop(finest);
     let mut tried = resolution(face, 1.0);
     for _ in 0..ATTEMPTS {
-        let coarser = with_resolution(face, resolution(face, part));
+        while best.is_none() && resolution(face, part) == tried && tried != COARSEST {
+            // Slightly too fine: the guess is not a step of the resolution away.
+            part *= ONE_STEP;
+        }
         if resolution(face, part) == tried {
             break;
         }
         tried = resolution(face, part);
-        let made = make(&coarser)?;
+        let made = make(&with_resolution(face, tried))?;
         let count = added(&made);
         let fits = count <= most;
         let guess = next(part, count);
@@ -124,6 +129,23 @@ mod tests {
                 assert!(added as f64 > 0.7 * f64::from(most), "{most}: {added}");
                 assert!(made <= 2 + ATTEMPTS);
             }
+        }
+    }
+
+    /// Of these the guess after a face that is slightly too fine is that face again.
+    #[test]
+    fn a_face_that_is_slightly_too_fine_is_followed_by_one_a_step_coarser() {
+        for (most, fixed) in [
+            (690, 0),
+            (1_180, 400),
+            (2_810, 400),
+            (5_570, 400),
+            (6_410, 400),
+        ] {
+            let (_, added, made) = fitted(most, fixed, 10).unwrap();
+            assert!(added <= most as usize, "{most}: {added}");
+            assert!(added as f64 > 0.6 * f64::from(most), "{most}: {added}");
+            assert!(made <= 2 + ATTEMPTS);
         }
     }
 

@@ -1,0 +1,218 @@
+//! What faces of broken wood are made of, by statistics of their heights.
+
+use glam::DVec2;
+use greenstick_fracture::heights::{BreakSite, HeightCache, HeightSource, Heights, heights};
+use greenstick_fracture::layout::{FibreBundles, LayoutOptions, fibrous};
+use greenstick_fracture::parameters::BreakParameters;
+use greenstick_fracture::recipe::Recipe;
+use greenstick_fracture::surface::NONE;
+use greenstick_geometry::{Context, Mesh};
+use greenstick_wood::primitive;
+use greenstick_wood::stem::{Stem, StemLocation, StemOptions, find_stem};
+
+fn stem(mesh: Mesh) -> Stem {
+    let middle = StemLocation::Fraction(0.5);
+    let found = find_stem(&[mesh], &middle, &StemOptions::default(), &Context::quiet());
+    found.unwrap().stem
+}
+
+/// The bundles of a stem's section and the heights of its face.
+fn face(stem: &Stem, options: &LayoutOptions, p: &BreakParameters) -> (FibreBundles, Heights) {
+    let bundles = fibrous(&stem.rings, options);
+    let site = BreakSite {
+        radius: stem.radius,
+        place: stem.location,
+        usable: stem.usable,
+        pith: stem.rings.pith(),
+        wedge: None,
+        relief: 1.0,
+    };
+    let source = HeightSource::Procedural;
+    let made = heights(&bundles, p, &site, &source, &mut HeightCache::default());
+    (bundles, made)
+}
+
+/// A face of a preset on a stem 4 cm thick.
+fn round_face(preset: &str, seed: u64) -> (Stem, FibreBundles, Heights) {
+    let stem = stem(primitive::cylinder(0.02, 0.6, 64));
+    let p = BreakParameters {
+        seed,
+        ..Recipe::resolve(&[preset], None, &[]).unwrap().face
+    };
+    let options = LayoutOptions {
+        rings: p.rings as usize,
+        sectors: p.sectors as usize,
+        reach: (0.0, 1.0),
+        radius: 1.1 * stem.radius,
+        arc: None,
+        bark: Some(0.94),
+        ring_edges: (1..=8).map(|i| 0.125 * f64::from(i)).collect(),
+        seed,
+    };
+    let (bundles, heights) = face(&stem, &options, &p);
+    (stem, bundles, heights)
+}
+
+/// Heights (in radii) of the walls between bundles of wood, each with its length: those at the middles of the edges.
+fn walls(radius: f64, bundles: &FibreBundles, heights: &Heights) -> Vec<(f64, f64)> {
+    let layout = &bundles.layout;
+    let cell = |facet: u32| layout.cells[facet as usize];
+    let between = layout.edges.iter().filter_map(|edge| {
+        let [a, b] = edge.facets;
+        let is_wall = a.0 != NONE && b.0 != NONE && cell(a.0) != cell(b.0);
+        let is_wood = is_wall
+            && [a, b]
+                .iter()
+                .all(|f| !bundles.bundles[cell(f.0) as usize].bark);
+        is_wood.then(|| {
+            let [left, right] = [a, b].map(|(f, k)| heights.surface.side_heights(f, k));
+            let [from, to] = edge.nodes.map(|n| layout.nodes[n as usize]);
+            let step = 0.5 * (left[0] + left[1] - right[0] - right[1]).abs();
+            (step / radius, from.distance(to))
+        })
+    });
+    between.collect()
+}
+
+/// The share of walls by length whose height lies below a number of radii.
+fn lower_share(walls: &[(f64, f64)], than: f64) -> f64 {
+    let all: f64 = walls.iter().map(|w| w.1).sum();
+    let low: f64 = walls.iter().filter(|w| w.0 < than).map(|w| w.1).sum();
+    low / all
+}
+
+#[test]
+fn brash_wood_breaks_in_plates_that_bundles_share_and_tough_wood_in_splinters() {
+    for seed in 1..4 {
+        let (stem, bundles, brash) = round_face("brash", seed);
+        let walls_of = |heights: &Heights| walls(stem.radius, &bundles, heights);
+        let plates = walls_of(&brash);
+        // Bundles end together, but for the sheer edges of plates and of short slivers.
+        let (level, edges) = (
+            lower_share(&plates, 0.006),
+            1.0 - lower_share(&plates, 0.03),
+        );
+        assert!(level > 0.3, "seed {seed}: {level}");
+        assert!((0.05..0.25).contains(&edges), "seed {seed}: {edges}");
+        // Nearly flat, but not a saw cut: the inclination alone is 0.2 radii.
+        let relief = (brash.wanted.1 - brash.wanted.0) / stem.radius;
+        assert!((0.3..0.8).contains(&relief), "seed {seed}: {relief}");
+        let (stem, bundles, torn) = round_face("splintering-tension", seed);
+        let torn = lower_share(&walls(stem.radius, &bundles, &torn), 0.006);
+        assert!(torn < 0.3, "seed {seed}: {torn}");
+    }
+}
+
+/// The height of a high layer at its border: it runs out over a way that grows with it, and is no cliff.
+#[test]
+fn a_high_layer_runs_out_on_the_slant() {
+    let (stem, bundles, heights) = round_face("shear", 1);
+    let layout = &bundles.layout;
+    let pith = stem.rings.pith();
+    // Mean heights of the wood in strips across the border, which runs through the pith.
+    let mut strips = [(0.0, 0.0); 9];
+    for (f, facet) in layout.facets.iter().enumerate() {
+        let corners = facet.map(|n| (layout.nodes[n as usize] - pith) / stem.radius);
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        if bundles.bundles[layout.cells[f] as usize].bark || middle.length() > 0.9 {
+            continue;
+        }
+        let area = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
+        let height = heights.surface.heights[f].iter().sum::<f64>() / 3.0;
+        let strip = &mut strips[((middle.x + 0.9) / 0.2).clamp(0.0, 8.0) as usize];
+        *strip = (strip.0 + area * height / stem.radius, strip.1 + area);
+    }
+    let means = strips.map(|(sum, area)| sum / area);
+    let whole = means[8] - means[0];
+    assert!(whole > 2.0, "{means:?}");
+    // The steepest fifth of a radius takes no more than a third of the height.
+    let steepest = means.windows(2).map(|m| m[1] - m[0]).fold(0.0, f64::max);
+    assert!(steepest < 0.35 * whole, "{means:?}");
+}
+
+/// The parts of a board's width.
+const PARTS: usize = 90;
+
+/// The mean heights (m) of the bundles in the middle of a board's thickness, by the part of the width, which lies along `along`.
+fn profile(
+    bundles: &FibreBundles,
+    heights: &Heights,
+    along: DVec2,
+    (width, thickness): (f64, f64),
+) -> [f64; PARTS] {
+    let mut parts = [(0.0, 0.0); PARTS];
+    let layout = &bundles.layout;
+    for (facet, (cell, heights)) in layout
+        .cells
+        .iter()
+        .zip(&heights.surface.heights)
+        .enumerate()
+    {
+        let tip = bundles.tips[*cell as usize];
+        let counts = tip != NONE && layout.facets[facet].contains(&tip);
+        let Some(at) = counts.then(|| layout.nodes[tip as usize]) else {
+            continue;
+        };
+        let place = at.dot(along) / width + 0.5;
+        if at.dot(along.perp()).abs() < 0.2 * thickness && (0.0..1.0).contains(&place) {
+            let part = &mut parts[(place * PARTS as f64) as usize];
+            *part = (part.0 + heights.iter().sum::<f64>(), part.1 + 3.0);
+        }
+    }
+    parts.map(|(sum, count)| sum / count)
+}
+
+/// The face of a board 68 cm wide and 2.5 cm thick along the middle of its thickness: how its height changes over the width.
+#[test]
+fn boards_break_in_wedges_and_not_in_blocks() {
+    let (width, thickness) = (0.68, 0.025);
+    let stem = stem(primitive::board(1.0, width, thickness));
+    let pith = stem.rings.pith();
+    let address = |x: f64, y: f64| stem.rings.address(DVec2::new(x, y));
+    // The wide side lies along the axis across which the pith is not.
+    let along = if pith.x.abs() > pith.y.abs() {
+        DVec2::Y
+    } else {
+        DVec2::X
+    };
+    let corners = [-0.5, 0.0, 0.5]
+        .map(|s| [-0.5, 0.5].map(|t| along * s * width + along.perp() * t * thickness));
+    let at = corners.iter().flatten().map(|c| address(c.x, c.y));
+    let (low, high) = at.clone().fold((f64::INFINITY, 0.0f64), |(l, h), a| {
+        (l.min(a.0), h.max(a.0))
+    });
+    let (left, right) = at.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), a| {
+        (l.min(a.1), r.max(a.1))
+    });
+    const SEEDS: u64 = 3;
+    let (mut steep, mut jumps) = (0.0, 0.0);
+    for seed in 1..=SEEDS {
+        let p = BreakParameters {
+            seed,
+            compression_shelf: 0.0,
+            ..BreakParameters::default()
+        }
+        .at_size(2.0 * stem.radius);
+        let options = LayoutOptions {
+            rings: p.rings as usize,
+            sectors: 16 * p.sectors as usize / 10,
+            reach: (0.98 * low, 1.02 * high),
+            radius: 1.1 * (pith.length() + width),
+            arc: Some((left - 0.03, right + 0.03)),
+            bark: None,
+            ring_edges: Vec::new(),
+            seed,
+        };
+        let (bundles, heights) = face(&stem, &options, &p);
+        let means = profile(&bundles, &heights, along, (width, thickness));
+        let step = |m: &[f64]| (m[1] - m[0]).abs() / stem.radius;
+        let mut changes: Vec<f64> = means.windows(2).map(step).collect();
+        changes.sort_by(f64::total_cmp);
+        let sum: f64 = changes.iter().sum();
+        let top: f64 = changes[changes.len() * 9 / 10..].iter().sum();
+        steep += changes[changes.len() * 9 / 10] / SEEDS as f64;
+        jumps += top / sum / SEEDS as f64;
+    }
+    // Blocks rise in a few sheer steps, and have little between them.
+    assert!(steep < 0.39 && jumps < 0.31, "{steep} {jumps}");
+}
