@@ -1,6 +1,7 @@
 //! The state of the window, and what happens from frame to frame.
 
 use super::anatomy_view::AnatomyView;
+use super::card::Card;
 use super::crack_tool::CrackTool;
 use super::dialog::Dialog;
 use super::photograph_view::PhotographView;
@@ -15,7 +16,6 @@ use crate::model::section::{Plane, SectionFaces};
 use crate::platform::{Opened, Platform, Settings};
 use crate::view::camera::Camera;
 use crate::view::frame::Colours;
-use crate::view::renderer::Renderer;
 use eframe::egui;
 use glam::Vec3;
 use greenstick::RequestFile;
@@ -102,10 +102,8 @@ pub struct Studio {
     pub(super) gallery: bool,
     /// What was done last, in the status line.
     pub(super) said: String,
-    /// Whether the card is the processor, which draws slowly.
-    pub(super) slow_card: bool,
-    /// Whether there is a card at all.
-    pub(super) has_card: bool,
+    /// The graphics card.
+    pub(super) card: Card,
     /// What the picture of the next result is asked with, and whether it is a drag.
     pub(super) wanted: Option<bool>,
     pub(super) at_work: Option<AtWork>,
@@ -170,8 +168,7 @@ impl Studio {
             search: String::new(),
             gallery: true,
             said: String::new(),
-            slow_card: false,
-            has_card: false,
+            card: Card::default(),
             wanted: Some(false),
             at_work: None,
             last_seconds: 0.0,
@@ -204,14 +201,6 @@ impl Studio {
             studio.dialog = Some(Dialog::Recover(kept));
         }
         studio
-    }
-
-    /// Draws on the card of a window.
-    pub fn use_card(&mut self, state: &eframe::egui_wgpu::RenderState) {
-        let renderer = Renderer::new(&state.device, &state.queue, state.target_format);
-        state.renderer.write().callback_resources.insert(renderer);
-        self.has_card = true;
-        self.slow_card = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
     }
 
     /// The picture is asked for anew with another view of the pieces; nothing else changes.
@@ -504,6 +493,9 @@ impl Studio {
     /// One frame.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
+        if self.leaves_lost_card(&ctx) {
+            return;
+        }
         self.tick(&ctx);
         self.dropped(&ctx);
         self.simulation_keys(&ctx);
@@ -552,8 +544,7 @@ impl eframe::App for Studio {
 
     fn on_exit(&mut self) {
         if self.project.is_changed() {
-            let project = self.project_file();
-            self.platform.keep(Some(&project));
+            self.keep_changes();
         } else {
             self.platform.keep(None);
         }

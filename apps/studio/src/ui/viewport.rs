@@ -205,9 +205,14 @@ impl Studio {
 
     fn paint(&mut self, ui: &Ui, rect: Rect, moving: bool) {
         // A processor that draws is slow: while the camera moves, it draws fewer pixels.
-        let scale = ui.pixels_per_point() * if moving && self.slow_card { 0.5 } else { 1.0 };
+        let scale = ui.pixels_per_point()
+            * if moving && self.card.is_slow {
+                0.5
+            } else {
+                1.0
+            };
         let size = [rect.width(), rect.height()].map(|s| ((s * scale) as u32).clamp(1, 8192));
-        if moving && self.slow_card {
+        if moving && self.card.is_slow {
             ui.ctx().request_repaint();
         }
         let background = if self.settings.dark {
@@ -215,7 +220,7 @@ impl Studio {
         } else {
             [0.62, 0.62, 0.61]
         };
-        if !self.has_card {
+        if !self.card.is_there() {
             ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
             return;
         }
@@ -340,7 +345,7 @@ impl Studio {
         let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(area));
         self.message_cards(&mut ui);
         self.progress_cards(&mut ui);
-        if !self.has_card {
+        if !self.card.is_there() {
             ui.label("No graphics adapter: there is no picture here.");
         }
     }

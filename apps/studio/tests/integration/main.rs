@@ -4,6 +4,7 @@ mod anatomy;
 mod common;
 mod cracks;
 mod early;
+mod lost_card;
 mod page;
 mod photograph;
 mod picture;

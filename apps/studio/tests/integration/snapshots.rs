@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Size of the window; rows of its pixels are a multiple of 256 bytes.
-const SIZE: [u32; 2] = [1152, 720];
+pub const SIZE: [u32; 2] = [1152, 720];
 /// Pixels of the window along a side of one of a snapshot: edges of letters differ from card to card.
 const BLOCK: u32 = 2;
 /// How far a channel may be off on average, and by how much a pixel is off that counts as another one. Software drivers of two
@@ -30,7 +30,7 @@ const OTHER: u8 = 40;
 const OTHERS: f64 = 0.012;
 
 /// Draws what egui asks for on a card, as a window does.
-struct CardRenderer(RenderState);
+pub struct CardRenderer(pub RenderState);
 
 impl TestRenderer for CardRenderer {
     fn handle_delta(&mut self, delta: &mut TexturesDelta) {
@@ -48,7 +48,7 @@ impl TestRenderer for CardRenderer {
 }
 
 /// A card for a test, or a word that there is none.
-fn card(test: &str) -> Option<RenderState> {
+pub fn card(test: &str) -> Option<RenderState> {
     let (instance, adapter) = adapter(test)?;
     let asked = adapter.request_device(&wgpu::DeviceDescriptor::default());
     let (device, queue) = pollster::block_on(asked).unwrap();
@@ -66,7 +66,7 @@ fn card(test: &str) -> Option<RenderState> {
 }
 
 /// Draws the window and reads it back.
-fn draw(harness: &Harness<'static, Studio>, state: &RenderState) -> Photograph {
+pub fn draw(harness: &Harness<'static, Studio>, state: &RenderState) -> Photograph {
     let (device, queue) = (&state.device, &state.queue);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let screen = ScreenDescriptor {
@@ -200,10 +200,16 @@ fn check(harness: &mut Harness<'static, Studio>, state: &RenderState, name: &str
     }
 }
 
-fn window(folder: &Folder, path: Option<&str>, state: &RenderState) -> Harness<'static, Studio> {
+/// The window on a card.
+pub fn window(
+    folder: &Folder,
+    path: Option<&str>,
+    state: &RenderState,
+) -> Harness<'static, Studio> {
     let size = egui::vec2(SIZE[0] as f32, SIZE[1] as f32);
     let mut harness = studio_on(folder, path, size, CardRenderer(state.clone()));
-    harness.state_mut().use_card(state);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().use_card(&ctx, state);
     settle(&mut harness);
     harness
 }
