@@ -36,8 +36,10 @@ impl Studio {
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,
             Action::Handles => self.view.handles ^= true,
+            Action::NextHandles => self.next_handles(),
             Action::Anatomy => self.toggle_anatomy(),
             Action::Cracks => self.toggle_cracks(),
+            Action::Paint => self.toggle_paint(),
             Action::Units => {
                 let next = (self.settings.unit as usize + 1) % ShownUnit::ALL.len();
                 self.settings.unit = ShownUnit::ALL[next];

@@ -32,8 +32,10 @@ pub enum Action {
     Wireframe,
     Section,
     Handles,
+    NextHandles,
     Anatomy,
     Cracks,
+    Paint,
     Units,
     HidePhotograph,
     NextColours,
@@ -216,8 +218,14 @@ impl Action {
         (
             Action::Handles,
             "Handles",
-            "Shows the plane of the break, and a dot to tilt and turn it by.",
+            "Shows dots on the wood that are dragged.",
             &[(NONE, Key::H)],
+        ),
+        (
+            Action::NextHandles,
+            "Next handles",
+            "Handles of the plane of the break, the ductile zone, the high layer, the low layer.",
+            &[(Modifiers::SHIFT, Key::H)],
         ),
         (
             Action::Anatomy,
@@ -230,6 +238,12 @@ impl Action {
             "Place cracks",
             "Lets drying cracks be placed by a drag over the broken wood.",
             &[(NONE, Key::K)],
+        ),
+        (
+            Action::Paint,
+            "Paint on the break",
+            "Lets strokes on the wood say where it breaks, where it splinters and what stays.",
+            &[(NONE, Key::B)],
         ),
         (
             Action::Units,

@@ -15,13 +15,14 @@ use greenstick::schema::Value;
 const PROJECT_ENDING: &str = ".greenstick.toml";
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 8] = [
+const MOUSE: [(&str, &str); 9] = [
     ("Drag, or middle drag", "turns"),
     ("Shift drag, right drag, or Shift middle drag", "shifts"),
     ("Wheel, or Ctrl middle drag", "goes nearer and farther"),
     ("Two fingers on a touchpad", "turn; with Shift they shift"),
     ("Pinch, or two fingers with Ctrl", "goes nearer and farther"),
     ("Click on the stem", "breaks it there"),
+    ("Drag of a dot on the stem", "moves what it stands for"),
     ("Double click on a slider or its name", "resets the value"),
     ("Drop a file on the window", "opens it"),
 ];

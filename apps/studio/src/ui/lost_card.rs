@@ -85,6 +85,8 @@ impl Studio {
         self.anatomy.held = None;
         self.anatomy.holds_section = false;
         self.cracks.held = None;
+        self.fans.held = None;
+        self.paint.stroke = None;
         self.holds_handle = false;
         // Another window counts its seconds from 0.
         if let Some(work) = &mut self.at_work {

@@ -4,6 +4,8 @@ use super::anatomy_view::AnatomyView;
 use super::card::Card;
 use super::crack_tool::CrackTool;
 use super::dialog::Dialog;
+use super::fan_tool::FanTool;
+use super::paint_tool::PaintTool;
 use super::photograph_view::PhotographView;
 use super::simulation_view::SimulationView;
 use crate::model::engine::{Failure, Haste, Job, Shown, has_coarse, unbroken};
@@ -52,7 +54,7 @@ pub struct ViewOptions {
     pub wireframe: bool,
     /// Whether the picture is cut open along the stem.
     pub section: bool,
-    /// Whether the handle that tilts the break is drawn.
+    /// Whether handles are drawn on the wood.
     pub handles: bool,
     /// Distance of the pieces in the picture, in diameters of the stem.
     pub apart: f64,
@@ -130,8 +132,12 @@ pub struct Studio {
     pub(super) photograph: PhotographView,
     /// The section browser.
     pub(super) anatomy: AnatomyView,
+    /// The handles of the ductile zone and of the layers.
+    pub fans: FanTool,
     /// The tool that places cracks.
     pub(super) cracks: CrackTool,
+    /// The tool that paints on the broken face.
+    pub paint: PaintTool,
     /// Where the viewport was drawn.
     pub(super) viewport_rect: Option<egui::Rect>,
     /// The simulation that is looked at in place of the break.
@@ -183,7 +189,9 @@ impl Studio {
             opening: None,
             photograph: PhotographView::default(),
             anatomy: AnatomyView::default(),
+            fans: FanTool::default(),
             cracks: CrackTool::default(),
+            paint: PaintTool::default(),
             viewport_rect: None,
             simulation: None,
             gallery_pictures: super::pictures::Pictures::default(),
@@ -500,6 +508,7 @@ impl Studio {
         self.dropped(&ctx);
         self.simulation_keys(&ctx);
         self.crack_keys(&ctx);
+        self.paint_keys(&ctx);
         self.shortcuts(&ctx);
         self.menu(ui);
         self.status(ui);
