@@ -399,7 +399,21 @@ mod tests {
     }
 
     #[test]
-    fn strokes_are_undone_and_reach_one_break() {
+    fn one_of_several_breaks_is_painted_alone() {
+        let mut project = Project::new(Input::built_in(), RequestFile::default());
+        let place = greenstick::wood::stem::StemLocation::Fraction(0.7);
+        project.add_break(place).unwrap();
+        let splinter = brush(BrushKind::Splinter);
+        assert_eq!(project.paint(1, &splinter, &[AT], SITE), Ok(true));
+        assert!(project.painted(0).is_none() && project.painted(1).is_some());
+        let breaks = project.file.request().breaks;
+        assert!(breaks[0].heights.values.is_empty() && !breaks[1].heights.values.is_empty());
+        project.clear_paint(1).unwrap();
+        assert!(project.painted(1).is_none());
+    }
+
+    #[test]
+    fn strokes_are_one_step_and_stand_in_the_recipe() {
         let mut project = Project::new(Input::built_in(), RequestFile::default());
         let stay = brush(BrushKind::Stay);
         for _ in 0..3 {

@@ -51,6 +51,11 @@ impl Studio {
     fn handled_fan(&mut self) -> Option<(FanKind, Fan, Arc<CrackFace>)> {
         let kind = self.fans.kind.filter(|_| self.view.handles)?;
         let number = self.handled_break()?;
+        // What is painted has its own heights; the zone of splinters still acts.
+        let painted = self.project.painted(number).is_some();
+        if painted && kind != FanKind::Ductile {
+            return None;
+        }
         let face = self.crack_face()?;
         let fan = self.project.fan(number, kind).or_first(kind);
         Some((kind, fan, face))
@@ -323,7 +328,10 @@ impl Studio {
                 }
             })
             .response
-            .on_hover_text("What the handles in the picture act on (Shift H).");
+            .on_hover_text(
+                "What the handles in the picture act on (Shift H). A painted face has no plane and no layers but those of \
+                 the paint.",
+            );
     }
 
     /// Gives the handles to the next that can have them.

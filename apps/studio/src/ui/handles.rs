@@ -30,6 +30,12 @@ impl Studio {
         Some((handle, tilt))
     }
 
+    /// Whether the heights of the break are painted, so that its plane and its layers change nothing.
+    fn is_painted(&self) -> bool {
+        let number = self.handled_break();
+        number.is_some_and(|n| self.project.painted(n).is_some())
+    }
+
     /// Where a point is in the window.
     pub(super) fn in_window(&self, rect: Rect, point: glam::Vec3) -> Option<Pos2> {
         let aspect = rect.width() / rect.height().max(1.0);
@@ -42,7 +48,8 @@ impl Studio {
     pub(super) fn tilt_dot(&self, rect: Rect) -> Option<Pos2> {
         let (handle, tilt) = self
             .tilt_handle()
-            .filter(|_| self.view.handles && self.fans.kind.is_none())?;
+            .filter(|_| self.view.handles && self.fans.kind.is_none())
+            .filter(|_| !self.is_painted())?;
         self.in_window(rect, handle.tip(tilt))
     }
 

@@ -7,7 +7,7 @@ use egui_kittest::kittest::Queryable;
 use greenstick::RequestFile;
 use greenstick::fracture::height_grid::HeightGrid;
 use greenstick::fracture::heights::FailureMode;
-use greenstick_studio::model::painted::{BrushKind, middles};
+use greenstick_studio::model::painted::{Brush, BrushKind, middles};
 use greenstick_studio::ui::studio::Studio;
 use std::time::Instant;
 
@@ -51,6 +51,8 @@ fn strokes_on_the_face_say_what_stays_and_what_splinters() {
     };
     stroke(&mut harness);
     let stays = grid(&harness);
+    // The plane of the face is painted over now: its handle is gone.
+    assert!(harness.state().handle_at().is_none());
     let radius = harness.state().report().unwrap().place.radius_m;
     let [here, there] = sides(&stays, &stays.values, 1.0);
     assert!(here > 0.1 * radius && there == 0.0, "{here} {there}");
@@ -78,6 +80,43 @@ fn strokes_on_the_face_say_what_stays_and_what_splinters() {
     harness.get_by_label("Clear").click();
     settle(&mut harness);
     assert_eq!(harness.state().project.file, RequestFile::default());
+}
+
+#[test]
+fn a_stroke_over_the_bark_says_where_it_breaks() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    harness.state_mut().paint.brush = Brush {
+        kind: BrushKind::Break,
+        size: 0.5,
+        strength: 1.0,
+    };
+    let radius = harness.state().report().unwrap().place.radius_m;
+    // The bark that faces who looks: below the rim at an angle at which it is nearest to the bottom of the picture.
+    let angles = (0..24).map(|i| f64::from(i) * std::f64::consts::TAU / 24.0);
+    let rim: Vec<(f64, Pos2)> = angles
+        .map(|a| (a, place(&mut harness, 1.0, a as f32)))
+        .collect();
+    let (angle, edge) = rim
+        .into_iter()
+        .max_by(|a, b| a.1.y.total_cmp(&b.1.y))
+        .unwrap();
+    let from = edge + eframe::egui::vec2(0.0, 40.0);
+    drag(&mut harness, from, from + eframe::egui::vec2(8.0, 0.0));
+    let painted = grid(&harness);
+    let at_bark: Vec<f64> = middles(&painted)
+        .zip(&painted.values)
+        .filter(|((rho, phi), _)| *rho > 0.95 && (phi - angle).cos() > 0.98)
+        .map(|(_, height)| *height)
+        .collect();
+    let lowest = at_bark.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(lowest < -0.3 * radius, "{at_bark:?}");
+    // The rim of the break is where the stroke was.
+    let rim = place(&mut harness, 1.0, angle as f32);
+    assert!(rim.y > edge.y + 12.0, "{rim} {edge}");
 }
 
 #[test]
