@@ -8,6 +8,7 @@ pub mod engine;
 pub mod fan;
 pub mod held;
 pub mod history;
+pub mod holds;
 pub mod input;
 pub mod link;
 pub mod look;

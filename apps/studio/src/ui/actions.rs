@@ -12,6 +12,7 @@ pub enum Action {
     BuiltIn,
     Photograph,
     Simulate,
+    SaveScene,
     Undo,
     Redo,
     Randomise,
@@ -100,6 +101,12 @@ impl Action {
             "Simulate…",
             "Moves wood as bonded fibres until it breaks, and shows how.",
             &[(CTRL, Key::M)],
+        ),
+        (
+            Action::SaveScene,
+            "Save the scene…",
+            "Saves the scene that is simulated, with its clamps, forces and bodies where they were dragged.",
+            &[],
         ),
         (
             Action::Undo,

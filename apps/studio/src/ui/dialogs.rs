@@ -76,6 +76,7 @@ impl Studio {
                 Dialog::Simulate(scenes, bend.unwrap_or(0), false)
             }
             Action::Photograph => Dialog::Photograph(files("", &PICTURE_ENDINGS)),
+            Action::SaveScene => Dialog::SaveScene(files("scene.toml", &[".toml"])),
             Action::SaveAs => Dialog::Save(files(&project_name(self), &[".toml"])),
             Action::Export => {
                 let formats = OutputFormat::all();
@@ -103,6 +104,7 @@ impl Studio {
                 Dialog::Simulate(scenes, at, own) => self.simulate_dialog(ui, scenes, at, own),
                 Dialog::Photograph(files) => self.photograph_dialog(ui, files),
                 Dialog::Save(files) => self.save_dialog(ui, files),
+                Dialog::SaveScene(files) => self.save_scene_dialog(ui, files),
                 Dialog::Export(files) => self.export_dialog(ui, files),
                 Dialog::Palette(search) => self.palette(ui, search),
                 Dialog::Shortcuts => shortcuts(ui),

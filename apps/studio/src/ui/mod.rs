@@ -18,6 +18,7 @@ mod fans;
 mod file_dialog;
 mod gallery;
 mod handles;
+mod holds;
 mod lost_card;
 mod menu;
 mod paint;

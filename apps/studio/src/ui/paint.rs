@@ -58,8 +58,18 @@ impl Studio {
     /// Where the pointer is on the wood, on whatever piece.
     fn paint_place(&mut self, rect: Rect, pos: Pos2) -> Option<(Polar, f32)> {
         let face = self.crack_face()?;
+        let number = self.drawn.as_ref()?.0;
+        // The same place is asked for by a stroke and by its cursor, and all triangles are looked through for it.
+        if let Some((known, of, found)) = self.paint.under
+            && (known, of) == (pos, number)
+            && self.paint.stroke.is_some()
+        {
+            return found;
+        }
         let elsewhere = || self.grain_place(&face, &self.picked(rect, pos)?);
-        self.place_on_face(rect, &face, pos).or_else(elsewhere)
+        let found = self.place_on_face(rect, &face, pos).or_else(elsewhere);
+        self.paint.under = Some((pos, number, found));
+        found
     }
 
     /// Paints with the pointer; returns whether it does.

@@ -2,12 +2,16 @@
 
 use crate::model::painted::{Brush, BrushKind};
 use crate::model::placed_cracks::Polar;
+use eframe::egui::Pos2;
+
+/// A place of the section, and a height over the break's, m.
+pub(super) type WoodPlace = (Polar, f32);
 
 /// A stroke that is being painted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Stroke {
     /// Where its last dab was, and the height there over the break's, m.
-    pub(super) last: (Polar, f32),
+    pub(super) last: WoodPlace,
     /// The height where it began, m over the break's.
     pub(super) began: f32,
 }
@@ -20,6 +24,8 @@ pub struct PaintTool {
     /// Its brush.
     pub brush: Brush,
     pub(super) stroke: Option<Stroke>,
+    /// Where the pointer was last, on which scene, and what of the wood is there.
+    pub(super) under: Option<(Pos2, u64, Option<WoodPlace>)>,
 }
 
 impl Default for PaintTool {
@@ -32,6 +38,7 @@ impl Default for PaintTool {
                 strength: 0.5,
             },
             stroke: None,
+            under: None,
         }
     }
 }

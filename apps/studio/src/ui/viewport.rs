@@ -49,9 +49,11 @@ impl Studio {
             self.viewport_rect = Some(rect);
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
             if self.simulation.is_some() {
-                let moving = self.navigate(ui, rect, &response);
+                let moving =
+                    self.drag_hold(ui, rect, &response) || self.navigate(ui, rect, &response);
                 self.paint(ui, rect, moving);
                 self.paint_photograph(ui, rect);
+                self.paint_holds(ui, rect, &response);
                 self.overlays(ui, rect);
                 return;
             }
@@ -106,6 +108,11 @@ impl Studio {
                     .on_hover_text("The edges of triangles (W).");
                 if self.simulation.is_none() {
                     self.break_view(ui);
+                } else {
+                    ui.toggle_value(&mut self.view.handles, "Handles")
+                        .on_hover_text(
+                            "Dots at the first frame that move clamps, forces and bodies (H).",
+                        );
                 }
                 for action in [Action::FrameBreak, Action::FrameAll] {
                     let name = action.label().replace("Frame ", "");

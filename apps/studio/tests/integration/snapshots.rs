@@ -300,6 +300,13 @@ fn a_simulation_looks_as_it_did() {
     harness.get_by_label("Rods").click();
     settle(&mut harness);
     check(&mut harness, &state, "simulation");
+    harness.get_by_label("To the first frame").click();
+    harness.run_steps(3);
+    settle(&mut harness);
+    let part = greenstick_studio::model::holds::HoldPart::ClampTo(0);
+    let dot = harness.state().hold_dot(part).unwrap();
+    harness.hover_at(dot);
+    check_with_pointer(&mut harness, &state, "holds");
 }
 
 #[test]
