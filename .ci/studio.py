@@ -110,12 +110,19 @@ def lose_the_card(studio, folder):
             found = xdotool("search", "--name", "Greenstick")
             return found if found and found != first else None
 
-        number = wait_for("another window", is_another)
+        wait_for("another window", is_another)
+
+        def is_ended():
+            # The window of before may still be listed.
+            for number in xdotool("search", "--name", "Greenstick").splitlines():
+                xdotool("windowfocus", number)
+                press("ctrl+q")
+            return window.poll() is not None
+
         time.sleep(8)
         if window.poll() is not None:
             sys.exit(f"the studio ended with code {window.returncode} when its graphics device was lost")
-        xdotool("windowfocus", number.splitlines()[0])
-        press("ctrl+q")
+        wait_for("the end of the program", is_ended)
         code = window.wait(PATIENCE)
         if code != 0:
             sys.exit(f"the studio ended with code {code} after its graphics device was lost")

@@ -43,7 +43,7 @@ pub fn dragged(holds: &[Hold], part: HoldPart, at: f64) -> f64 {
         HoldPart::ClampTo(i) => (of(HoldPart::ClampFrom(i)).unwrap_or(0.0) + SHORTEST, 1.0),
         _ => (0.0, 1.0),
     };
-    ((at * PARTS).round() / PARTS).max(low).min(high)
+    (at.max(low).min(high) * PARTS).round() / PARTS
 }
 
 /// What of a scene stands somewhere along its stem.
