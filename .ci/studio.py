@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Drives the studio's real window under Xvfb as a person would: starts it on a file, drags a slider, saves the project and
-exports the pieces by keys, and compares what it wrote with what the command line makes of the same project, byte for byte.
+exports the pieces by keys, and compares what it wrote with what the command line makes of the same project, byte for byte. Then
+takes the graphics device from a window, which has to begin again by itself.
 
 Usage: studio.py STUDIO GREENSTICK MESH FOLDER. Needs Xvfb, xdotool and a Vulkan driver (mesa-vulkan-drivers)."""
 
@@ -95,6 +96,41 @@ def drive(studio, mesh, folder):
     return project, pieces
 
 
+def lose_the_card(studio, folder):
+    """Runs the example whose graphics device is lost after some seconds: another window of the same program follows."""
+    environment = dict(os.environ, DISPLAY=DISPLAY, XDG_CONFIG_HOME=str(folder / "lost"))
+    environment.setdefault("XDG_RUNTIME_DIR", str(folder))
+    environment.pop("WAYLAND_DISPLAY", None)
+    program = pathlib.Path(studio).parent / "examples" / "lost_card"
+    window = subprocess.Popen([program, "10"], cwd=folder, env=environment)
+    try:
+        first = wait_for("a window", lambda: xdotool("search", "--name", "Greenstick"))
+
+        def is_another():
+            found = xdotool("search", "--name", "Greenstick")
+            return found if found and found != first else None
+
+        wait_for("another window", is_another)
+
+        def is_ended():
+            # The window of before may still be listed.
+            for number in xdotool("search", "--name", "Greenstick").splitlines():
+                xdotool("windowfocus", number)
+                press("ctrl+q")
+            return window.poll() is not None
+
+        time.sleep(8)
+        if window.poll() is not None:
+            sys.exit(f"the studio ended with code {window.returncode} when its graphics device was lost")
+        wait_for("the end of the program", is_ended)
+        code = window.wait(PATIENCE)
+        if code != 0:
+            sys.exit(f"the studio ended with code {code} after its graphics device was lost")
+    finally:
+        if window.poll() is None:
+            window.kill()
+
+
 def main():
     studio, greenstick, mesh, folder = sys.argv[1:]
     folder = pathlib.Path(folder)
@@ -108,6 +144,7 @@ def main():
     try:
         wait_for("a display", lambda: xdotool("getdisplaygeometry"))
         project, pieces = drive(studio, copy, folder)
+        lose_the_card(studio, folder)
     finally:
         server.terminate()
     expected = folder / "expected.glb"

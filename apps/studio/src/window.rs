@@ -1,10 +1,18 @@
-//! The program with a window of its own.
+//! The program with a window of its own, or several, one after the other, where the graphics card is lost.
 
+use crate::platform::native::{Native, config_folder};
+use crate::ui::card::WindowPlace;
+use crate::ui::studio::Studio;
 use eframe::{egui, egui_wgpu, wgpu};
-use greenstick_studio::platform::native::{Native, config_folder};
-use greenstick_studio::ui::studio::Studio;
+use std::cell::RefCell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process::ExitCode;
-use std::sync::Arc;
+use std::rc::Rc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Size of the first window, points.
+const FIRST_SIZE: [f32; 2] = [1360.0, 860.0];
 
 const USAGE: &str = "\
 Usage: greenstick-studio [FILE]
@@ -32,39 +40,134 @@ pub fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    match run(path) {
+    match run(path.as_deref(), |_| {}) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("error: {}", advice(&error));
+            eprintln!("error: {error}");
             ExitCode::FAILURE
         }
     }
 }
 
-fn run(path: Option<String>) -> eframe::Result {
+/// Losses of the graphics device, each soon after the one before, after which the program gives up: a card that is gone stays gone.
+const MOST_LOSSES: usize = 3;
+/// What is soon.
+const SOON: Duration = Duration::from_secs(60);
+
+/// The studio, which outlives its windows.
+type Held = Rc<RefCell<Option<Studio>>>;
+
+/// What a window shows.
+struct Shown(Held);
+
+impl eframe::App for Shown {
+    fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
+        if let Some(studio) = &mut *self.0.borrow_mut() {
+            studio.frame(ui);
+        }
+    }
+
+    fn on_exit(&mut self) {
+        if let Some(studio) = &mut *self.0.borrow_mut()
+            && studio.lost_card().is_none()
+        {
+            eframe::App::on_exit(studio);
+        }
+    }
+}
+
+/// Opens the window on `path`, and again where the graphics device is lost; `on_card` hears of each device.
+///
+/// # Errors
+/// That there is no display or no card, or that the card is lost again and again.
+pub fn run(path: Option<&str>, on_card: impl Fn(&::wgpu::Device)) -> Result<(), String> {
+    let held = Held::default();
+    // The context of the present window, which work beside it wakes.
+    let present: Arc<Mutex<Option<egui::Context>>> = Arc::default();
+    let mut losses = 0;
+    loop {
+        let begun = Instant::now();
+        // What draws the window does not expect its device to be lost in the middle of a frame.
+        let ended = catch_unwind(AssertUnwindSafe(|| open(&held, &present, path, &on_card)));
+        let lost = held.borrow().as_ref().and_then(Studio::lost_card);
+        let reason = match (ended, lost) {
+            (Ok(ended), None) => return ended.map_err(|e| advice(&e)),
+            (Ok(Err(error)), Some(_)) => return Err(advice(&error)),
+            (Err(panic), None) => resume_unwind(panic),
+            (_, Some(reason)) => reason,
+        };
+        if let Some(studio) = &mut *held.borrow_mut() {
+            studio.keep_changes();
+        }
+        losses = if begun.elapsed() < SOON {
+            losses + 1
+        } else {
+            1
+        };
+        if losses == MOST_LOSSES {
+            return Err(format!(
+                "the graphics card was lost {MOST_LOSSES} times ({reason}); what was not saved is offered at the next start"
+            ));
+        }
+        eprintln!("the graphics card was lost ({reason}); the window begins again");
+    }
+}
+
+/// Opens one window, on the studio that is held, or on a new one.
+fn open(
+    held: &Held,
+    present: &Arc<Mutex<Option<egui::Context>>>,
+    path: Option<&str>,
+    on_card: &dyn Fn(&::wgpu::Device),
+) -> eframe::Result {
+    let place = held.borrow().as_ref().map(Studio::window_place);
     let options = eframe::NativeOptions {
-        viewport: egui::ViewportBuilder::default()
-            .with_app_id("greenstick-studio")
-            .with_inner_size([1360.0, 860.0])
-            .with_min_inner_size([760.0, 480.0])
-            .with_drag_and_drop(true),
+        viewport: viewport(place.unwrap_or_default()),
         renderer: eframe::Renderer::Wgpu,
         ..eframe::NativeOptions::default()
     };
-    eframe::run_native(
-        "Greenstick",
-        options,
-        Box::new(move |creation| {
-            let ctx = creation.egui_ctx.clone();
-            let wake = Arc::new(move || ctx.request_repaint());
-            let platform = Native::new(config_folder(), wake);
-            let mut studio = Studio::new(&creation.egui_ctx, Box::new(platform), path.as_deref());
-            if let Some(state) = &creation.wgpu_render_state {
-                studio.use_card(state);
+    let create = |creation: &eframe::CreationContext<'_>| {
+        let ctx = &creation.egui_ctx;
+        *present.lock().unwrap_or_else(PoisonError::into_inner) = Some(ctx.clone());
+        let studio = &mut *held.borrow_mut();
+        match studio {
+            Some(studio) => studio.go_on(ctx),
+            None => {
+                let present = present.clone();
+                let wake = Arc::new(move || {
+                    let present = present.lock().unwrap_or_else(PoisonError::into_inner);
+                    if let Some(ctx) = &*present {
+                        ctx.request_repaint();
+                    }
+                });
+                let platform = Native::new(config_folder(), wake);
+                *studio = Some(Studio::new(ctx, Box::new(platform), path));
             }
-            Ok(Box::new(studio))
-        }),
-    )
+        }
+        if let (Some(studio), Some(state)) = (studio, &creation.wgpu_render_state) {
+            studio.use_card(ctx, state);
+            on_card(&state.device);
+        }
+        let shown: Box<dyn eframe::App> = Box::new(Shown(held.clone()));
+        Ok(shown)
+    };
+    eframe::run_native("Greenstick", options, Box::new(create))
+}
+
+/// The window where it was, or where the display puts it.
+fn viewport(place: WindowPlace) -> egui::ViewportBuilder {
+    let inner = place.inner.map_or(FIRST_SIZE.into(), |r| r.size());
+    let builder = egui::ViewportBuilder::default()
+        .with_app_id("greenstick-studio")
+        .with_inner_size(inner)
+        .with_min_inner_size([760.0, 480.0])
+        .with_maximized(place.maximized)
+        .with_fullscreen(place.fullscreen)
+        .with_drag_and_drop(true);
+    match place.outer {
+        Some(outer) => builder.with_position(outer.min),
+        None => builder,
+    }
 }
 
 /// What went wrong, and what helps.

@@ -7,6 +7,7 @@ use super::meshes::{Batch, DrawnScene, Vertex, drawn_vertices, normal_map};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
 use greenstick::BreakRequest;
 use greenstick::fracture::cut::Side;
+use greenstick::fracture::height_grid::HeightGrid;
 use greenstick::fracture::parameters::BreakParameters;
 use greenstick::geometry::Mesh;
 use greenstick::geometry::mesh::NO_MATERIAL;
@@ -172,6 +173,7 @@ fn without_face(request: &BreakRequest) -> BreakRequest {
     let mut rest = request.clone();
     for one in &mut rest.breaks {
         one.recipe.face = BreakParameters::default();
+        one.heights = HeightGrid::default();
     }
     rest
 }

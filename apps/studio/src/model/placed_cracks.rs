@@ -10,7 +10,7 @@ use greenstick::fracture::parameters::{
 };
 
 /// Ring coordinate from which on a point is on the bark: a crack that reaches it opens there.
-const BARK: f32 = 0.96;
+pub const BARK: f32 = 0.96;
 /// Least length of a crack, as a ring coordinate, and of a ring shake, degrees.
 const SHORTEST: f32 = 0.08;
 const NARROWEST: f32 = 8.0;
@@ -309,8 +309,18 @@ impl CrackFace {
 
     /// The point of the picture at a place of the section, and a height over the break's.
     pub fn point(&self, place: Polar, height: f32) -> Vec3 {
-        let p = self.look.point(place.0, place.1);
+        self.point_across(self.look.point(place.0, place.1), height)
+    }
+
+    /// The point of the picture at grain coordinates, m, and a height over the break's.
+    pub fn point_across(&self, p: Vec2, height: f32) -> Vec3 {
         self.place + self.at.across[0] * p.x + self.at.across[1] * p.y + self.at.along * height
+    }
+
+    /// The grain coordinates of a point of the picture, m.
+    pub fn across_of(&self, point: Vec3) -> Vec2 {
+        let d = point - self.place;
+        Vec2::new(d.dot(self.at.across[0]), d.dot(self.at.across[1]))
     }
 
     /// Where a ray (origin and direction) meets the section at a height over the break's; none along it.

@@ -5,7 +5,7 @@ use super::input::{Input, InputContent};
 use super::look::WoodLook;
 use super::meshes::{DecodedImages, DrawnScene};
 use super::simulation::{Chart, DrawnFrame, Line, Look, Outcome, Recorded, SceneEntry, Taken};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 use greenstick::ErrorKind;
 use greenstick::fibre::bodies::Shape;
 use greenstick::fibre::scene::{BUILT_IN, Scene as Setting, StemChoice, UpChoice};
@@ -348,6 +348,8 @@ pub struct FrameArtist {
     shapes: Option<Vec<Shape>>,
     /// The middle of the first frame, which all frames are drawn about, and its radius.
     rest: Option<(DVec3, f64)>,
+    /// The axis of the stem there, about that middle.
+    axis: Arc<Vec<Vec3>>,
     /// The wood, once it is cut.
     film: Option<(DrawnFilm, Vec<(u32, WoodLook)>)>,
     decoded: DecodedImages,
@@ -361,6 +363,7 @@ impl FrameArtist {
             meshes,
             shapes: None,
             rest: None,
+            axis: Arc::default(),
             film: None,
             decoded: DecodedImages::new(),
         }
@@ -382,19 +385,32 @@ impl FrameArtist {
             Some(rest) => rest,
             None => {
                 let first = DrawnScene::unbroken(&self.rods(0)?);
+                let frame = self.source.frame(0).map_err(SimulateError::from)?;
+                let axis = axis(&frame).into_iter();
+                let drawn = axis.map(|p| (upright().transform_point3(p) - first.middle).as_vec3());
+                self.axis = Arc::new(drawn.collect());
                 (first.middle, first.radius)
             }
         };
         self.rest = Some((middle, rest_radius));
+        let axis = self.axis.clone();
         if let (Look::Wood, Some((film, looks))) = (look, &mut self.film) {
             let scene = film.skinned.at(number).map_err(FilmError::from)?;
             let scene = DrawnScene::moved(&scene, looks, middle, &mut self.decoded);
-            return Ok(DrawnFrame { scene, rest_radius });
+            return Ok(DrawnFrame {
+                scene,
+                rest_radius,
+                axis,
+            });
         }
         let rods = self.rods(number)?;
         let plain = &mut DecodedImages::new();
         let scene = DrawnScene::moved(&rods, &[], middle, plain);
-        Ok(DrawnFrame { scene, rest_radius })
+        Ok(DrawnFrame {
+            scene,
+            rest_radius,
+            axis,
+        })
     }
 
     fn rods(&mut self, number: usize) -> Result<greenstick::geometry::Scene, Failure> {
@@ -407,12 +423,50 @@ impl FrameArtist {
             }
         };
         let mut scene = rods_scene(&frame, shapes);
-        let upright = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
         for node in &mut scene.nodes {
-            node.transform = upright * node.transform;
+            node.transform = upright() * node.transform;
         }
         Ok(scene)
     }
+}
+
+/// Turns what has z up to have y up.
+fn upright() -> DAffine3 {
+    DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2)
+}
+
+/// Points along the axis of a stem, and the part of the longest rod's length from which on a rod runs along all of the stem.
+const AXIS_POINTS: usize = 33;
+const WHOLE: f64 = 0.95;
+
+/// The axis of the stem of a frame in even steps: the middle of the rods that run along all of it.
+fn axis(frame: &Frame) -> Vec<DVec3> {
+    let point = |i: u32| DVec3::from(frame.position[i as usize].map(f64::from));
+    let rods = frame.rod_offsets.windows(2).filter(|r| r[1] > r[0] + 1);
+    let rods: Vec<Vec<DVec3>> = rods.map(|r| (r[0]..r[1]).map(point).collect()).collect();
+    let length = |rod: &[DVec3]| rod.windows(2).map(|p| p[0].distance(p[1])).sum::<f64>();
+    let longest = rods.iter().map(|r| length(r)).fold(0.0, f64::max);
+    let whole: Vec<_> = rods
+        .iter()
+        .filter(|r| length(r) >= WHOLE * longest)
+        .collect();
+    let at = |rod: &[DVec3], part: f64| {
+        let mut left = part * length(rod);
+        for pair in rod.windows(2) {
+            let step = pair[0].distance(pair[1]);
+            if left <= step && step > 0.0 {
+                return pair[0].lerp(pair[1], left / step);
+            }
+            left -= step;
+        }
+        rod[rod.len() - 1]
+    };
+    if whole.is_empty() {
+        return Vec::new();
+    }
+    let parts = (0..AXIS_POINTS).map(|k| k as f64 / (AXIS_POINTS - 1) as f64);
+    let sum = |part: f64| whole.iter().map(|r| at(r, part)).sum::<DVec3>();
+    parts.map(|part| sum(part) / whole.len() as f64).collect()
 }
 
 /// A run that ended, as the break that it left is taken from it.

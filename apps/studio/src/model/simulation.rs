@@ -1,11 +1,14 @@
 //! A simulation as the window sees it: what is asked, what is told, and where its playback is. Knows nothing of rods.
 
 use super::engine::Failure;
+use super::holds::{Hold, Moved};
 use super::input::Input;
 use super::meshes::DrawnScene;
+use glam::Vec3;
 use greenstick::BreakRequest;
 use greenstick::formats::LengthUnit;
 use greenstick::wood::stem::StemLocation;
+use std::sync::Arc;
 
 /// A scene that comes with the program.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +53,8 @@ pub struct SimulationJob {
     pub source: Source,
     /// The stem that the scene is put on, and where, in place of its own.
     pub stem: Option<(Input, StemLocation)>,
+    /// Parts of the scene that are elsewhere along its stem.
+    pub moved: Vec<Moved>,
 }
 
 /// How a frame is drawn.
@@ -140,13 +145,15 @@ pub struct DrawnFrame {
     pub scene: DrawnScene,
     /// Radius of the sphere about the middle that held everything before it moved, m: what flies off does not count.
     pub rest_radius: f64,
+    /// The axis of the stem before it moved, in even steps.
+    pub axis: Arc<Vec<Vec3>>,
 }
 
 /// What is told of a simulation.
 #[derive(Debug)]
 pub enum News {
-    /// It begins: what its scene shows.
-    Begun(String),
+    /// It begins: what its scene shows, and what stands along its stem.
+    Begun(String, Vec<Hold>),
     /// There is more of it.
     Recorded(Recorded),
     /// It ended.

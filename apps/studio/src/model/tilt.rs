@@ -57,24 +57,9 @@ impl TiltHandle {
     /// The plane whose highest point lies where a ray (origin and unit direction) meets the cylinder, on the side of the point
     /// that it had, or comes nearest to its axis. None for a ray along the axis.
     pub fn dragged(&self, origin: Vec3, direction: Vec3, had: Tilt) -> Option<Tilt> {
-        let flat = |v: Vec3| v - self.along * v.dot(self.along);
-        let (from, towards) = (flat(origin - self.place), flat(direction));
-        let speed = towards.length_squared();
-        if speed < 1e-8 {
-            return None;
-        }
-        let nearest = -from.dot(towards) / speed;
-        let gap = (from + towards * nearest).length_squared();
         let reach = REACH * self.radius;
-        let half = ((reach * reach - gap).max(0.0) / speed).sqrt();
-        let tip = flat(self.tip(had) - self.place);
-        let sides = [-half, half].map(|s| origin + direction * (nearest + s) - self.place);
-        let off = |point: Vec3| flat(point).distance_squared(tip);
-        let point = if off(sides[0]) <= off(sides[1]) {
-            sides[0]
-        } else {
-            sides[1]
-        };
+        let axis = (self.place, self.along);
+        let point = on_cylinder(axis, (origin, direction), self.tip(had))? - self.place;
         let [x, y] = self.across.map(|a| f64::from(point.dot(a)));
         let height = f64::from(point.dot(self.along) / reach);
         Some(Tilt {
@@ -82,6 +67,32 @@ impl TiltHandle {
             direction: y.atan2(x).to_degrees().rem_euclid(360.0),
         })
     }
+}
+
+/// Where a ray (origin and unit direction) meets the cylinder about an axis (a point and a unit direction) that goes through `had`, on
+/// the side of that point, or where it comes nearest to the axis. None for a ray along the axis.
+pub fn on_cylinder(
+    (place, along): (Vec3, Vec3),
+    (origin, direction): (Vec3, Vec3),
+    had: Vec3,
+) -> Option<Vec3> {
+    let flat = |v: Vec3| v - along * v.dot(along);
+    let (from, towards) = (flat(origin - place), flat(direction));
+    let speed = towards.length_squared();
+    if speed < 1e-8 {
+        return None;
+    }
+    let nearest = -from.dot(towards) / speed;
+    let gap = (from + towards * nearest).length_squared();
+    let had = flat(had - place);
+    let half = ((had.length_squared() - gap).max(0.0) / speed).sqrt();
+    let sides = [-half, half].map(|s| origin + direction * (nearest + s));
+    let off = |point: Vec3| flat(point - place).distance_squared(had);
+    Some(if off(sides[0]) <= off(sides[1]) {
+        sides[0]
+    } else {
+        sides[1]
+    })
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ pub mod web;
 mod working;
 
 use crate::model::engine::{Failure, Job, Shown};
+use crate::model::holds::Moved;
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
 use crate::model::project_file::ProjectFile;
@@ -104,6 +105,13 @@ pub trait Platform {
     }
     /// Starts to simulate, or to read a run; what was simulated before is given up.
     fn simulate(&mut self, _: SimulationJob) {}
+    /// Writes a scene with parts of it elsewhere along its stem.
+    ///
+    /// # Errors
+    /// Why it could not be written.
+    fn save_scene(&self, _path: &str, _: &Source, _: &[Moved]) -> Result<(), Failure> {
+        Err(Failure::new("nothing can be simulated here"))
+    }
     /// Starts to draw a frame of the simulation; only the newest that was asked for counts.
     fn draw_frame(&mut self, _: usize, _: Look) {}
     /// Starts to take the break that the simulation left; `at_hand` is the number of the input that is shown.
@@ -143,6 +151,8 @@ pub trait Platform {
     fn keep(&mut self, project: Option<&ProjectFile>);
     /// What was kept when the program last ended without saving: where it is.
     fn kept(&self) -> Option<String>;
+    /// Tells that the graphics card was lost, where no other window can be opened: nothing is drawn any more.
+    fn tell_card_lost(&mut self) {}
     /// Settings of the window.
     fn settings(&self) -> Settings;
     /// Keeps settings of the window.

@@ -1,9 +1,10 @@
 //! The machine with threads and a file system.
 
-use super::simulator::Simulator;
+use super::simulator::{Simulator, save_scene};
 use super::working::{Wake, Working};
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
 use crate::model::engine::{Engine, Failure, Job, export};
+use crate::model::holds::Moved;
 use crate::model::input::Input;
 use crate::model::photograph::reduced;
 use crate::model::project_file::ProjectFile;
@@ -292,6 +293,10 @@ impl Platform for Native {
 
     fn simulate(&mut self, job: SimulationJob) {
         self.simulator.begin(job);
+    }
+
+    fn save_scene(&self, path: &str, source: &Source, moved: &[Moved]) -> Result<(), Failure> {
+        save_scene(path, source, moved)
     }
 
     fn draw_frame(&mut self, number: usize, look: Look) {

@@ -3,6 +3,7 @@
 use super::working::{Wake, Working};
 use super::{Done, WorkProgress};
 use crate::model::engine::Failure;
+use crate::model::holds::{Moved, holds_of, move_holds};
 use crate::model::input::{Input, InputContent};
 use crate::model::simulated::{
     EndedRun, FrameArtist, Recording, RunStem, put_on, recorded, recorded_outcome, run,
@@ -13,6 +14,7 @@ use greenstick::files;
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::formats::{Content, Reach};
 use greenstick::geometry::Stage;
+use greenstick::schema::write_toml;
 use greenstick::simulate::{RunSource, SceneMeshes};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -177,6 +179,29 @@ fn read_scene(source: &Source) -> Result<(Setting, PathBuf), Failure> {
     }
 }
 
+/// Writes a scene with parts of it elsewhere along its stem.
+///
+/// # Errors
+/// Where it cannot be read or written, or would no longer find the meshes of its bodies.
+pub fn save_scene(path: &str, source: &Source, moved: &[Moved]) -> Result<(), Failure> {
+    let (mut setting, beside) = read_scene(source)?;
+    move_holds(&mut setting, moved);
+    let path = Path::new(path);
+    let whole = |folder: &Path| std::path::absolute(folder).map_err(Failure::new);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let has_files = setting.body.iter().any(|b| !b.file.is_empty());
+    if has_files && whole(&folder.join("."))? != whole(&beside.join("."))? {
+        return Err(Failure::new(format!(
+            "{}: bodies of this scene are meshes beside it; save it in the same folder, {}",
+            path.display(),
+            whole(&beside.join("."))?.display()
+        )));
+    }
+    let bytes = write_toml(&setting).into_bytes();
+    let path = path.to_owned();
+    files::write_all(&[files::Output { path, bytes }]).map_err(Failure::new)
+}
+
 /// What a simulation shares with the window's side of it.
 type Shared<'a> = (&'a Working, &'a Artist, &'a Mutex<Option<EndedRun>>);
 
@@ -189,7 +214,7 @@ fn work(job: SimulationJob, shared: Shared, teller: &Teller) -> Result<(), Failu
         Source::Run(folder) => {
             let (source, meshes, stem) = read_run(Path::new(folder))?;
             let scene = source.scene().map_err(|e| Failure::new(e.to_string()))?;
-            teller.tell(News::Begun(scene.about));
+            teller.tell(News::Begun(scene.about, Vec::new()));
             *locked(artist) = Some(FrameArtist::new(source.clone(), meshes.clone()));
             teller.tell(News::Recorded(recorded(&*source)));
             let outcome = recorded_outcome(&*source)?;
@@ -198,7 +223,9 @@ fn work(job: SimulationJob, shared: Shared, teller: &Teller) -> Result<(), Failu
         }
         _ => {
             let (mut setting, beside) = read_scene(&job.source)?;
-            teller.tell(News::Begun(setting.about.clone()));
+            move_holds(&mut setting, &job.moved);
+            let holds = holds_of(&setting);
+            teller.tell(News::Begun(setting.about.clone(), holds));
             let input = match &job.stem {
                 Some((input, place)) => Some(put_on(&mut setting, input, *place)?),
                 None => None,

@@ -36,8 +36,10 @@ impl Studio {
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,
             Action::Handles => self.view.handles ^= true,
+            Action::NextHandles => self.next_handles(),
             Action::Anatomy => self.toggle_anatomy(),
             Action::Cracks => self.toggle_cracks(),
+            Action::Paint => self.toggle_paint(),
             Action::Units => {
                 let next = (self.settings.unit as usize + 1) % ShownUnit::ALL.len();
                 self.settings.unit = ShownUnit::ALL[next];
@@ -50,8 +52,7 @@ impl Studio {
             Action::FrameBreak => self.frame_break(),
             Action::FrameAll => self.frame_all(),
             Action::Gallery => self.gallery ^= true,
-            Action::Undo => self.step_back(now),
-            Action::Redo => self.step_forward(now),
+            Action::Undo | Action::Redo => self.step(action == Action::Undo, now),
             Action::Randomise => self.randomise(now),
             Action::NewSeed => self.new_seed(now),
             Action::ResetAll => {
@@ -76,7 +77,11 @@ impl Studio {
             }
             Action::Save => self.save(),
             Action::Open if !self.platform.has_folders() => self.platform.choose(),
+            Action::SaveScene if self.simulation.is_none() => {
+                self.said = "No scene is simulated.".to_owned();
+            }
             Action::Open
+            | Action::SaveScene
             | Action::Photograph
             | Action::SaveAs
             | Action::Export
@@ -96,6 +101,17 @@ impl Studio {
             self.platform.cancel(Lane::Simulation);
         } else {
             self.platform.cancel(Lane::Files);
+        }
+    }
+
+    /// Goes a step back or forward: of the simulation that is looked at, or of the project.
+    fn step(&mut self, back: bool, now: f64) {
+        if self.step_hold(back) {
+            return;
+        }
+        match back {
+            true => self.step_back(now),
+            false => self.step_forward(now),
         }
     }
 

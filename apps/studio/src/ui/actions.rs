@@ -12,6 +12,7 @@ pub enum Action {
     BuiltIn,
     Photograph,
     Simulate,
+    SaveScene,
     Undo,
     Redo,
     Randomise,
@@ -32,8 +33,10 @@ pub enum Action {
     Wireframe,
     Section,
     Handles,
+    NextHandles,
     Anatomy,
     Cracks,
+    Paint,
     Units,
     HidePhotograph,
     NextColours,
@@ -98,6 +101,12 @@ impl Action {
             "Simulate…",
             "Moves wood as bonded fibres until it breaks, and shows how.",
             &[(CTRL, Key::M)],
+        ),
+        (
+            Action::SaveScene,
+            "Save the scene…",
+            "Saves the scene that is simulated, with its clamps, forces and bodies where they were dragged.",
+            &[],
         ),
         (
             Action::Undo,
@@ -216,8 +225,14 @@ impl Action {
         (
             Action::Handles,
             "Handles",
-            "Shows the plane of the break, and a dot to tilt and turn it by.",
+            "Shows dots on the wood that are dragged.",
             &[(NONE, Key::H)],
+        ),
+        (
+            Action::NextHandles,
+            "Next handles",
+            "Handles of the plane of the break, the ductile zone, the high layer, the low layer.",
+            &[(Modifiers::SHIFT, Key::H)],
         ),
         (
             Action::Anatomy,
@@ -230,6 +245,12 @@ impl Action {
             "Place cracks",
             "Lets drying cracks be placed by a drag over the broken wood.",
             &[(NONE, Key::K)],
+        ),
+        (
+            Action::Paint,
+            "Paint on the break",
+            "Lets strokes on the wood say where it breaks, where it splinters and what stays.",
+            &[(NONE, Key::B)],
         ),
         (
             Action::Units,

@@ -24,13 +24,14 @@ impl Studio {
     pub(super) fn toggle_cracks(&mut self) {
         self.cracks.on ^= true;
         self.cracks.held = None;
+        self.paint.on &= !self.cracks.on;
         self.said = match self.cracks.on {
             true => "Drag over the broken wood to place a crack.".to_owned(),
             false => String::new(),
         };
     }
 
-    fn crack_face(&mut self) -> Option<Arc<CrackFace>> {
+    pub(super) fn crack_face(&mut self) -> Option<Arc<CrackFace>> {
         let (id, drawn) = self.drawn.clone()?;
         let number = self.project.selected().unwrap_or(0);
         let known = self.cracks.face.as_ref();
@@ -188,7 +189,12 @@ impl Studio {
     /// The place in the section and the height over the break's, m, of what is under the pointer on the piece below the break. On
     /// its face this is the point of the surface that cracks are drawn on, so that neither splinters nor the gaps between them
     /// displace it; what hangs down from the piece above is looked through.
-    fn place_on_face(&self, rect: Rect, face: &CrackFace, pos: Pos2) -> Option<(Polar, f32)> {
+    pub(super) fn place_on_face(
+        &self,
+        rect: Rect,
+        face: &CrackFace,
+        pos: Pos2,
+    ) -> Option<(Polar, f32)> {
         let drawn = &self.drawn.as_ref()?.1;
         let number = self.project.selected().unwrap_or(0);
         let ray = self.ray_at(rect, pos);
@@ -202,7 +208,7 @@ impl Studio {
     }
 
     /// The place in the section and the height over the break's, m, of a point of the stem.
-    fn grain_place(&self, face: &CrackFace, picked: &Picked) -> Option<(Polar, f32)> {
+    pub(super) fn grain_place(&self, face: &CrackFace, picked: &Picked) -> Option<(Polar, f32)> {
         let number = self.project.selected().unwrap_or(0);
         let at = self.drawn.as_ref()?.1.breaks.get(number)?.length;
         let grain = picked.grain?;

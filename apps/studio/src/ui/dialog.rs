@@ -14,6 +14,8 @@ pub enum Dialog {
     Photograph(FileDialog),
     /// Choosing where to save the project.
     Save(FileDialog),
+    /// Choosing where to save the scene that is simulated.
+    SaveScene(FileDialog),
     /// Choosing where and how to export.
     Export(FileDialog),
     /// Finding a command by its name.
@@ -32,6 +34,7 @@ impl Dialog {
             Dialog::Simulate(..) => "Simulate",
             Dialog::Photograph(_) => "Open a photograph, PNG or JPEG",
             Dialog::Save(_) => "Save the project",
+            Dialog::SaveScene(_) => "Save the scene",
             Dialog::Export(_) => "Export the pieces",
             Dialog::Palette(_) => "Find a command",
             Dialog::Shortcuts => "Keyboard and mouse",

@@ -15,13 +15,14 @@ use greenstick::schema::Value;
 const PROJECT_ENDING: &str = ".greenstick.toml";
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 8] = [
+const MOUSE: [(&str, &str); 9] = [
     ("Drag, or middle drag", "turns"),
     ("Shift drag, right drag, or Shift middle drag", "shifts"),
     ("Wheel, or Ctrl middle drag", "goes nearer and farther"),
     ("Two fingers on a touchpad", "turn; with Shift they shift"),
     ("Pinch, or two fingers with Ctrl", "goes nearer and farther"),
     ("Click on the stem", "breaks it there"),
+    ("Drag of a dot on the stem", "moves what it stands for"),
     ("Double click on a slider or its name", "resets the value"),
     ("Drop a file on the window", "opens it"),
 ];
@@ -75,6 +76,7 @@ impl Studio {
                 Dialog::Simulate(scenes, bend.unwrap_or(0), false)
             }
             Action::Photograph => Dialog::Photograph(files("", &PICTURE_ENDINGS)),
+            Action::SaveScene => Dialog::SaveScene(files("scene.toml", &[".toml"])),
             Action::SaveAs => Dialog::Save(files(&project_name(self), &[".toml"])),
             Action::Export => {
                 let formats = OutputFormat::all();
@@ -102,6 +104,7 @@ impl Studio {
                 Dialog::Simulate(scenes, at, own) => self.simulate_dialog(ui, scenes, at, own),
                 Dialog::Photograph(files) => self.photograph_dialog(ui, files),
                 Dialog::Save(files) => self.save_dialog(ui, files),
+                Dialog::SaveScene(files) => self.save_scene_dialog(ui, files),
                 Dialog::Export(files) => self.export_dialog(ui, files),
                 Dialog::Palette(search) => self.palette(ui, search),
                 Dialog::Shortcuts => shortcuts(ui),

@@ -13,12 +13,8 @@ impl Studio {
     /// The handle of the selected break, or of the only one, and the tilt that is set.
     fn tilt_handle(&self) -> Option<(TiltHandle, Tilt)> {
         let (_, drawn) = self.drawn.as_ref()?;
-        let count = self.project.break_count();
-        let number = match count {
-            1 => 0,
-            _ => self.project.selected()?,
-        };
-        let at = (drawn.breaks.len() == count).then(|| drawn.breaks[number])?;
+        let number = self.handled_break()?;
+        let at = drawn.breaks[number];
         let handle = TiltHandle {
             place: drawn.break_place(number),
             across: at.across,
@@ -34,6 +30,12 @@ impl Studio {
         Some((handle, tilt))
     }
 
+    /// Whether the heights of the break are painted, so that its plane and its layers change nothing.
+    fn is_painted(&self) -> bool {
+        let number = self.handled_break();
+        number.is_some_and(|n| self.project.painted(n).is_some())
+    }
+
     /// Where a point is in the window.
     pub(super) fn in_window(&self, rect: Rect, point: glam::Vec3) -> Option<Pos2> {
         let aspect = rect.width() / rect.height().max(1.0);
@@ -44,7 +46,10 @@ impl Studio {
 
     /// Where the handle's dot is.
     pub(super) fn tilt_dot(&self, rect: Rect) -> Option<Pos2> {
-        let (handle, tilt) = self.tilt_handle().filter(|_| self.view.handles)?;
+        let (handle, tilt) = self
+            .tilt_handle()
+            .filter(|_| self.view.handles && self.fans.kind.is_none())
+            .filter(|_| !self.is_painted())?;
         self.in_window(rect, handle.tip(tilt))
     }
 

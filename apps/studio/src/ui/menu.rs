@@ -77,10 +77,7 @@ impl Studio {
                     });
                 }
                 ui.separator();
-                let (undo, redo) = (
-                    self.project.history.undo_label().map(str::to_owned),
-                    self.project.history.redo_label().map(str::to_owned),
-                );
+                let [undo, redo] = self.step_labels();
                 for (action, label) in [(Action::Undo, undo), (Action::Redo, redo)] {
                     let button = Button::new(action.label());
                     let response = ui.add_enabled(label.is_some(), button);

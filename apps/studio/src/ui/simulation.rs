@@ -4,6 +4,8 @@ use super::dialogs::buttons;
 use super::simulation_view::SimulationView;
 use super::studio::Studio;
 use crate::model::engine::Failure;
+use crate::model::history::History;
+use crate::model::holds::Moved;
 use crate::model::input::InputContent;
 use crate::model::simulation::{
     Look, News, Playback, Recorded, SceneEntry, SimulationJob, Source, Taken,
@@ -50,6 +52,11 @@ impl Studio {
 
     /// Begins a simulation, on the stem at hand or on that of its scene.
     pub fn begin_simulation(&mut self, source: Source, own: bool) {
+        self.begin_simulation_at(source, own, Vec::new());
+    }
+
+    /// Begins a simulation with parts of its scene elsewhere.
+    pub(super) fn begin_simulation_at(&mut self, source: Source, own: bool, moved: Vec<Moved>) {
         self.numbers += 1;
         let number = self.numbers;
         let place = self.project.file.breaks.first();
@@ -58,11 +65,18 @@ impl Studio {
             number,
             source: source.clone(),
             stem: own.then(|| (self.project.input.clone(), place)),
+            moved: moved.clone(),
         });
         let before = self.simulation.take();
         self.simulation = Some(SimulationView {
             number,
             source,
+            own,
+            holds: Vec::new(),
+            history: History::default(),
+            simulated: moved,
+            held: None,
+            axis: Arc::default(),
             about: String::new(),
             recorded: Recorded::default(),
             outcome: None,
@@ -106,7 +120,15 @@ impl Studio {
             return;
         };
         match news {
-            News::Begun(about) => simulation.about = about,
+            News::Begun(about, holds) => {
+                simulation.about = about;
+                if simulation.simulated.is_empty() {
+                    simulation.simulated = holds.iter().map(|h| (h.part, h.at)).collect();
+                }
+                if simulation.holds.is_empty() {
+                    simulation.holds = holds;
+                }
+            }
             News::Recorded(recorded) => {
                 simulation.recorded = recorded;
                 simulation.playback.recorded(simulation.frames());
@@ -136,6 +158,7 @@ impl Studio {
                 let first = simulation.drawn.is_none();
                 self.numbers += 1;
                 simulation.rest_radius = frame.rest_radius as f32;
+                simulation.axis = frame.axis;
                 simulation.drawn = Some((self.numbers, Arc::new(frame.scene)));
                 if first {
                     self.camera.z_up = false;

@@ -1,8 +1,9 @@
 //! The panels of a simulation: its outcome and charts on the right, its timeline below.
 
+use super::actions::Action;
 use super::charts::{chart, short};
 use super::studio::Studio;
-use crate::model::simulation::Look;
+use crate::model::simulation::{Look, Source};
 use crate::platform::Lane;
 use eframe::egui::{self, Grid, RichText, Ui};
 
@@ -77,6 +78,18 @@ impl Studio {
             None if works => drop(ui.label("The wood is being moved …")),
             None => drop(ui.label("The simulation was stopped before its end.")),
         }
+        let (mut first, mut save) = (false, false);
+        if !simulation.holds.is_empty() {
+            ui.separator();
+            let hint = "At the first frame, dots on the stem move clamps, forces and bodies.";
+            ui.add(egui::Label::new(RichText::new(hint).weak()).wrap());
+            let is_scene = !matches!(simulation.source, Source::Run(_));
+            ui.horizontal(|ui| {
+                first = ui.button("To the first frame").clicked();
+                let button = ui.add_enabled(is_scene, egui::Button::new(Action::SaveScene.label()));
+                save = button.on_hover_text(Action::SaveScene.about()).clicked();
+            });
+        }
         ui.separator();
         let at = simulation.recorded.times.get(simulation.playback.at);
         ui.label(RichText::new("Load over deflection").small().weak());
@@ -84,6 +97,12 @@ impl Studio {
         ui.add_space(6.0);
         ui.label(RichText::new("Energies").small().weak());
         chart(ui, &simulation.recorded.energy, CHART, at.copied());
+        if save {
+            self.act(Action::SaveScene, &ui.ctx().clone());
+        }
+        if let Some(simulation) = self.simulation.as_mut().filter(|_| first) {
+            simulation.playback.go(0, simulation.frames());
+        }
         if take {
             self.take_break();
         }

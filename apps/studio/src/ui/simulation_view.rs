@@ -1,8 +1,11 @@
 //! The simulation that is looked at, as the window knows it.
 
+use crate::model::history::History;
+use crate::model::holds::{Hold, HoldPart, Moved};
 use crate::model::meshes::DrawnScene;
 use crate::model::simulation::{Look, Outcome, Playback, Recorded, Source};
 use crate::view::camera::Camera;
+use glam::Vec3;
 use std::sync::Arc;
 
 /// A simulation that is looked at.
@@ -11,6 +14,17 @@ pub struct SimulationView {
     pub number: u64,
     /// What is simulated.
     pub source: Source,
+    /// Whether it is on the stem at hand.
+    pub own: bool,
+    /// What stands along the stem, where it is now, and the past and future of that.
+    pub holds: Vec<Hold>,
+    pub(super) history: History<Vec<Hold>>,
+    /// Where it was when the simulation began.
+    pub(super) simulated: Vec<Moved>,
+    /// The part that the pointer holds.
+    pub(super) held: Option<HoldPart>,
+    /// The axis of the stem before it moved.
+    pub(super) axis: Arc<Vec<Vec3>>,
     /// What its scene shows, in a sentence.
     pub about: String,
     /// What is recorded so far.

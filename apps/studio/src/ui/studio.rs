@@ -1,8 +1,11 @@
 //! The state of the window, and what happens from frame to frame.
 
 use super::anatomy_view::AnatomyView;
+use super::card::Card;
 use super::crack_tool::CrackTool;
 use super::dialog::Dialog;
+use super::fan_tool::FanTool;
+use super::paint_tool::PaintTool;
 use super::photograph_view::PhotographView;
 use super::simulation_view::SimulationView;
 use crate::model::engine::{Failure, Haste, Job, Shown, has_coarse, unbroken};
@@ -15,7 +18,6 @@ use crate::model::section::{Plane, SectionFaces};
 use crate::platform::{Opened, Platform, Settings};
 use crate::view::camera::Camera;
 use crate::view::frame::Colours;
-use crate::view::renderer::Renderer;
 use eframe::egui;
 use glam::Vec3;
 use greenstick::RequestFile;
@@ -52,7 +54,7 @@ pub struct ViewOptions {
     pub wireframe: bool,
     /// Whether the picture is cut open along the stem.
     pub section: bool,
-    /// Whether the handle that tilts the break is drawn.
+    /// Whether handles are drawn on the wood.
     pub handles: bool,
     /// Distance of the pieces in the picture, in diameters of the stem.
     pub apart: f64,
@@ -102,10 +104,8 @@ pub struct Studio {
     pub(super) gallery: bool,
     /// What was done last, in the status line.
     pub(super) said: String,
-    /// Whether the card is the processor, which draws slowly.
-    pub(super) slow_card: bool,
-    /// Whether there is a card at all.
-    pub(super) has_card: bool,
+    /// The graphics card.
+    pub(super) card: Card,
     /// What the picture of the next result is asked with, and whether it is a drag.
     pub(super) wanted: Option<bool>,
     pub(super) at_work: Option<AtWork>,
@@ -132,8 +132,12 @@ pub struct Studio {
     pub(super) photograph: PhotographView,
     /// The section browser.
     pub(super) anatomy: AnatomyView,
+    /// The handles of the ductile zone and of the layers.
+    pub fans: FanTool,
     /// The tool that places cracks.
     pub(super) cracks: CrackTool,
+    /// The tool that paints on the broken face.
+    pub paint: PaintTool,
     /// Where the viewport was drawn.
     pub(super) viewport_rect: Option<egui::Rect>,
     /// The simulation that is looked at in place of the break.
@@ -170,8 +174,7 @@ impl Studio {
             search: String::new(),
             gallery: true,
             said: String::new(),
-            slow_card: false,
-            has_card: false,
+            card: Card::default(),
             wanted: Some(false),
             at_work: None,
             last_seconds: 0.0,
@@ -186,7 +189,9 @@ impl Studio {
             opening: None,
             photograph: PhotographView::default(),
             anatomy: AnatomyView::default(),
+            fans: FanTool::default(),
             cracks: CrackTool::default(),
+            paint: PaintTool::default(),
             viewport_rect: None,
             simulation: None,
             gallery_pictures: super::pictures::Pictures::default(),
@@ -204,14 +209,6 @@ impl Studio {
             studio.dialog = Some(Dialog::Recover(kept));
         }
         studio
-    }
-
-    /// Draws on the card of a window.
-    pub fn use_card(&mut self, state: &eframe::egui_wgpu::RenderState) {
-        let renderer = Renderer::new(&state.device, &state.queue, state.target_format);
-        state.renderer.write().callback_resources.insert(renderer);
-        self.has_card = true;
-        self.slow_card = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
     }
 
     /// The picture is asked for anew with another view of the pieces; nothing else changes.
@@ -504,10 +501,14 @@ impl Studio {
     /// One frame.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
+        if self.leaves_lost_card(&ctx) {
+            return;
+        }
         self.tick(&ctx);
         self.dropped(&ctx);
         self.simulation_keys(&ctx);
         self.crack_keys(&ctx);
+        self.paint_keys(&ctx);
         self.shortcuts(&ctx);
         self.menu(ui);
         self.status(ui);
@@ -552,8 +553,7 @@ impl eframe::App for Studio {
 
     fn on_exit(&mut self) {
         if self.project.is_changed() {
-            let project = self.project_file();
-            self.platform.keep(Some(&project));
+            self.keep_changes();
         } else {
             self.platform.keep(None);
         }

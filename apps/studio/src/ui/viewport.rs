@@ -21,6 +21,9 @@ const NOTCH: f32 = 0.88;
 /// Points of a touchpad's movement that are as much as one point of a mouse's.
 const TOUCHPAD: f32 = 1.0;
 
+/// Room that the slider which pulls pieces apart takes with its texts, points.
+const APART_WIDTH: f32 = 190.0;
+
 /// To which part of a metre the point of a click is rounded: nobody clicks more exactly, and short numbers can be read.
 const CLICK: f64 = 1e4;
 
@@ -46,31 +49,43 @@ impl Studio {
             self.viewport_rect = Some(rect);
             let response = response.on_hover_cursor(CursorIcon::Crosshair);
             if self.simulation.is_some() {
-                let moving = self.navigate(ui, rect, &response);
+                let moving =
+                    self.drag_hold(ui, rect, &response) || self.navigate(ui, rect, &response);
                 self.paint(ui, rect, moving);
                 self.paint_photograph(ui, rect);
+                self.paint_holds(ui, rect, &response);
                 self.overlays(ui, rect);
                 return;
             }
             let moving = self.drag_photograph(ui, rect, &response)
                 || self.drag_section(ui, rect, &response)
                 || self.drag_crack(ui, rect, &response)
-                || (!self.cracks.on && self.drag_handle(ui, rect, &response))
+                || self.drag_paint(ui, rect, &response)
+                || (!self.has_tool()
+                    && (self.drag_fan(ui, rect, &response)
+                        || self.drag_handle(ui, rect, &response)))
                 || self.navigate(ui, rect, &response);
             self.paint(ui, rect, moving);
             self.paint_photograph(ui, rect);
             self.handle_at = self.tilt_dot(rect);
-            if !self.cracks.on {
+            if !self.has_tool() {
                 self.paint_handle(ui, rect, &response);
+                self.paint_fan(ui, rect, &response);
             }
             self.paint_break_marks(ui, rect);
             self.paint_section_line(ui, rect);
             self.paint_cracks(ui, rect, &response);
-            if !self.moves_photograph() && !self.cracks.on {
+            self.paint_painting(ui, rect, &response);
+            if !self.moves_photograph() && !self.has_tool() {
                 self.click(ui, rect, &response);
             }
             self.overlays(ui, rect);
         });
+    }
+
+    /// Whether drags over the wood place or paint something.
+    fn has_tool(&self) -> bool {
+        self.cracks.on || self.paint.on
     }
 
     fn header(&mut self, ui: &mut Ui) {
@@ -93,6 +108,11 @@ impl Studio {
                     .on_hover_text("The edges of triangles (W).");
                 if self.simulation.is_none() {
                     self.break_view(ui);
+                } else {
+                    ui.toggle_value(&mut self.view.handles, "Handles")
+                        .on_hover_text(
+                            "Dots at the first frame that move clamps, forces and bodies (H).",
+                        );
                 }
                 for action in [Action::FrameBreak, Action::FrameAll] {
                     let name = action.label().replace("Frame ", "");
@@ -105,6 +125,7 @@ impl Studio {
             self.photograph_bar(ui);
             if self.simulation.is_none() {
                 self.cracks_bar(ui);
+                self.paint_bar(ui);
             }
         });
     }
@@ -114,12 +135,20 @@ impl Studio {
         ui.toggle_value(&mut self.view.section, "Section")
             .on_hover_text("Cuts the picture open along the stem, on the side that is seen (X).");
         ui.toggle_value(&mut self.view.handles, "Handles")
-            .on_hover_text("The plane of the break, and a dot to tilt and turn it by (H).");
+            .on_hover_text("Dots on the wood that are dragged: of the plane of the break, or of what is chosen (H).");
+        self.handle_choice(ui);
         let mut cracks = self.cracks.on;
         ui.toggle_value(&mut cracks, "Cracks")
             .on_hover_text("Places drying cracks by a drag over the broken wood (K).");
         if cracks != self.cracks.on {
             self.toggle_cracks();
+        }
+        let mut paint = self.paint.on;
+        ui.toggle_value(&mut paint, "Paint").on_hover_text(
+            "Strokes on the wood say where it breaks, where it splinters and what stays on which piece (B).",
+        );
+        if paint != self.paint.on {
+            self.toggle_paint();
         }
         let mut open = self.anatomy.open;
         ui.toggle_value(&mut open, "Anatomy").on_hover_text(
@@ -128,7 +157,12 @@ impl Studio {
         if open != self.anatomy.open {
             self.toggle_anatomy();
         }
-        ui.separator();
+        // A row that wraps leaves a slider cut off at its end.
+        if ui.available_size_before_wrap().x < APART_WIDTH {
+            ui.end_row();
+        } else {
+            ui.separator();
+        }
         let before = self.view.apart;
         ui.spacing_mut().slider_width = 64.0;
         let slider = egui::Slider::new(&mut self.view.apart, 0.0..=8.0)
@@ -205,9 +239,14 @@ impl Studio {
 
     fn paint(&mut self, ui: &Ui, rect: Rect, moving: bool) {
         // A processor that draws is slow: while the camera moves, it draws fewer pixels.
-        let scale = ui.pixels_per_point() * if moving && self.slow_card { 0.5 } else { 1.0 };
+        let scale = ui.pixels_per_point()
+            * if moving && self.card.is_slow {
+                0.5
+            } else {
+                1.0
+            };
         let size = [rect.width(), rect.height()].map(|s| ((s * scale) as u32).clamp(1, 8192));
-        if moving && self.slow_card {
+        if moving && self.card.is_slow {
             ui.ctx().request_repaint();
         }
         let background = if self.settings.dark {
@@ -215,7 +254,7 @@ impl Studio {
         } else {
             [0.62, 0.62, 0.61]
         };
-        if !self.has_card {
+        if !self.card.is_there() {
             ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
             return;
         }
@@ -269,7 +308,7 @@ impl Studio {
         if !clicked && !still {
             return;
         }
-        if self.on_handle(rect, pos) {
+        if self.on_handle(rect, pos) || self.fan_part_at(pos).is_some() {
             return;
         }
         if let Some(number) = self.break_mark_at(rect, pos) {
@@ -340,7 +379,7 @@ impl Studio {
         let mut ui = ui.new_child(egui::UiBuilder::new().max_rect(area));
         self.message_cards(&mut ui);
         self.progress_cards(&mut ui);
-        if !self.has_card {
+        if !self.card.is_there() {
             ui.label("No graphics adapter: there is no picture here.");
         }
     }

@@ -1,10 +1,11 @@
 //! Simulations: run beside the window, played, drawn as rods and as wood, stopped, and taken as a still break.
 
-use crate::common::{Folder, settle, studio};
+use crate::common::{Folder, drag, settle, studio};
 use eframe::egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use greenstick::RequestFile;
+use greenstick_studio::model::holds::HoldPart;
 use greenstick_studio::model::simulation::{Look, Source};
 use greenstick_studio::ui::studio::Studio;
 use std::time::{Duration, Instant};
@@ -183,4 +184,62 @@ fn a_scene_with_a_mistake_gives_a_message_and_leaves_the_break() {
     assert!(messages[0].is_error && messages[0].text.contains("scene.toml"));
     assert!(messages[0].text.contains("cylindre"), "{messages:?}");
     assert!(harness.state().simulation().is_none() && harness.state().report().is_some());
+}
+
+#[test]
+fn a_clamp_is_dragged_along_the_stem_and_the_wood_is_moved_anew() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, Some(&scene(&folder, TORN)));
+    settle(&mut harness);
+    let part = HoldPart::ClampTo(0);
+    let at = |harness: &Harness<'static, Studio>| {
+        let holds = &harness.state().simulation().unwrap().holds;
+        holds.iter().find(|h| h.part == part).unwrap().at
+    };
+    let report = |harness: &Harness<'static, Studio>| {
+        let outcome = harness.state().simulation().unwrap().outcome.clone();
+        outcome.unwrap().report
+    };
+    let before = report(&harness);
+    // Handles are those of the first frame.
+    assert!(harness.state().hold_dot(part).is_none());
+    harness.get_by_label("To the first frame").click();
+    harness.run_steps(3);
+    settle(&mut harness);
+    assert_eq!(harness.state().simulation().unwrap().shown.unwrap().0, 0);
+    let dot = |harness: &Harness<'static, Studio>, part| harness.state().hold_dot(part).unwrap();
+    let [base, held, tip] =
+        [HoldPart::ClampFrom(0), part, HoldPart::ClampTo(1)].map(|part| dot(&harness, part));
+    // The dots lie on the stem in proportion.
+    let share = (held - base).length() / (tip - base).length();
+    assert!((share - 0.06).abs() < 0.02, "{share}");
+    let end = base + (tip - base) * 0.3;
+    drag(&mut harness, held, end);
+    assert_eq!(errors(&harness), 0, "{:?}", harness.state().messages());
+    let moved = at(&harness);
+    assert!((0.2..0.45).contains(&moved), "{moved}");
+    assert_eq!(harness.state().simulation().unwrap().frames(), 11);
+    assert!(report(&harness) != before);
+    // The dot is where it was let go.
+    harness.get_by_label("To the first frame").click();
+    harness.run_steps(3);
+    settle(&mut harness);
+    let now = dot(&harness, part);
+    assert!(now.distance(end) < 4.0, "{now} {end}");
+    // A scene that is saved is the one that was simulated.
+    let saved = folder.0.join("moved.toml");
+    harness.state_mut().save_scene(saved.to_str().unwrap());
+    let text = std::fs::read_to_string(&saved).unwrap();
+    let setting = greenstick::fibre::scene::Scene::read(&text).unwrap();
+    assert_eq!(setting.clamp[0].to, moved);
+    let mut again = studio(&folder, Some(saved.to_str().unwrap()));
+    settle(&mut again);
+    assert_eq!(report(&again), report(&harness));
+    // One step back, and forward again.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!((at(&harness), report(&harness)), (0.06, before));
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut harness);
+    assert_eq!(at(&harness), moved);
 }

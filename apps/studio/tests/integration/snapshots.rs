@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Size of the window; rows of its pixels are a multiple of 256 bytes.
-const SIZE: [u32; 2] = [1152, 720];
+pub const SIZE: [u32; 2] = [1152, 720];
 /// Pixels of the window along a side of one of a snapshot: edges of letters differ from card to card.
 const BLOCK: u32 = 2;
 /// How far a channel may be off on average, and by how much a pixel is off that counts as another one. Software drivers of two
@@ -30,7 +30,7 @@ const OTHER: u8 = 40;
 const OTHERS: f64 = 0.012;
 
 /// Draws what egui asks for on a card, as a window does.
-struct CardRenderer(RenderState);
+pub struct CardRenderer(pub RenderState);
 
 impl TestRenderer for CardRenderer {
     fn handle_delta(&mut self, delta: &mut TexturesDelta) {
@@ -48,7 +48,7 @@ impl TestRenderer for CardRenderer {
 }
 
 /// A card for a test, or a word that there is none.
-fn card(test: &str) -> Option<RenderState> {
+pub fn card(test: &str) -> Option<RenderState> {
     let (instance, adapter) = adapter(test)?;
     let asked = adapter.request_device(&wgpu::DeviceDescriptor::default());
     let (device, queue) = pollster::block_on(asked).unwrap();
@@ -66,7 +66,7 @@ fn card(test: &str) -> Option<RenderState> {
 }
 
 /// Draws the window and reads it back.
-fn draw(harness: &Harness<'static, Studio>, state: &RenderState) -> Photograph {
+pub fn draw(harness: &Harness<'static, Studio>, state: &RenderState) -> Photograph {
     let (device, queue) = (&state.device, &state.queue);
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let screen = ScreenDescriptor {
@@ -154,6 +154,11 @@ fn png(picture: &Photograph) -> Vec<u8> {
 fn check(harness: &mut Harness<'static, Studio>, state: &RenderState, name: &str) {
     // Away from what would show a tooltip.
     harness.hover_at(egui::pos2(-10.0, -10.0));
+    check_with_pointer(harness, state, name);
+}
+
+/// The same with the pointer where it is.
+fn check_with_pointer(harness: &mut Harness<'static, Studio>, state: &RenderState, name: &str) {
     harness.run_steps(30);
     let whole = draw(harness, state);
     if let Some(folder) = std::env::var_os("GREENSTICK_WHOLE_SNAPSHOTS") {
@@ -200,10 +205,34 @@ fn check(harness: &mut Harness<'static, Studio>, state: &RenderState, name: &str
     }
 }
 
-fn window(folder: &Folder, path: Option<&str>, state: &RenderState) -> Harness<'static, Studio> {
+/// Turns the picture so that the broken face is seen from above and from near.
+fn from_above(harness: &mut Harness<'static, Studio>) {
+    let corner = egui::pos2(640.0, 600.0);
+    drag(harness, corner, corner + egui::vec2(0.0, 70.0));
+    let face = harness.state_mut().face_place_at(0.0, 0.0).unwrap();
+    harness.hover_at(face);
+    for _ in 0..11 {
+        harness.event(egui::Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: egui::vec2(0.0, 1.0),
+            phase: egui::TouchPhase::Move,
+            source: egui::MouseWheelSource::Unknown,
+            modifiers: Modifiers::NONE,
+        });
+        harness.step();
+    }
+}
+
+/// The window on a card.
+pub fn window(
+    folder: &Folder,
+    path: Option<&str>,
+    state: &RenderState,
+) -> Harness<'static, Studio> {
     let size = egui::vec2(SIZE[0] as f32, SIZE[1] as f32);
     let mut harness = studio_on(folder, path, size, CardRenderer(state.clone()));
-    harness.state_mut().use_card(state);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().use_card(&ctx, state);
     settle(&mut harness);
     harness
 }
@@ -243,21 +272,7 @@ fn placed_cracks_and_a_dragged_ring_look_as_they_did() {
     check(&mut harness, &state, "dragged");
     harness.key_press(Key::S);
     harness.run_steps(5);
-    // From above, and nearer.
-    let corner = egui::pos2(640.0, 600.0);
-    drag(&mut harness, corner, corner + egui::vec2(0.0, 70.0));
-    let face = harness.state_mut().face_place_at(0.0, 0.0).unwrap();
-    harness.hover_at(face);
-    for _ in 0..11 {
-        harness.event(egui::Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Line,
-            delta: egui::vec2(0.0, 1.0),
-            phase: egui::TouchPhase::Move,
-            source: egui::MouseWheelSource::Unknown,
-            modifiers: Modifiers::NONE,
-        });
-        harness.step();
-    }
+    from_above(&mut harness);
     harness.key_press(Key::K);
     harness.run_steps(2);
     for (from, to) in [
@@ -285,6 +300,13 @@ fn a_simulation_looks_as_it_did() {
     harness.get_by_label("Rods").click();
     settle(&mut harness);
     check(&mut harness, &state, "simulation");
+    harness.get_by_label("To the first frame").click();
+    harness.run_steps(3);
+    settle(&mut harness);
+    let part = greenstick_studio::model::holds::HoldPart::ClampTo(0);
+    let dot = harness.state().hold_dot(part).unwrap();
+    harness.hover_at(dot);
+    check_with_pointer(&mut harness, &state, "holds");
 }
 
 #[test]
@@ -296,4 +318,60 @@ fn the_list_of_keys_looks_as_it_did() {
     let mut harness = window(&folder, None, &state);
     harness.key_press_modifiers(Modifiers::NONE, Key::F1);
     check(&mut harness, &state, "keys");
+}
+
+#[test]
+fn the_handles_of_the_zones_look_as_they_did() {
+    let test = "the_handles_of_the_zones_look_as_they_did";
+    let Some(state) = card(test) else { return };
+    let folder = Folder::new();
+    let project = folder.0.join("layers.greenstick.toml");
+    let settings = [
+        "break.high.height=1.2",
+        "break.high.direction=250",
+        "break.high.angle=100",
+        "break.high.rings=0.45",
+        "break.ductile.direction=300",
+    ];
+    let file = greenstick::RequestFile::resolve(&[], None, &settings).unwrap();
+    std::fs::write(&project, file.to_toml()).unwrap();
+    let mut harness = window(&folder, project.to_str(), &state);
+    from_above(&mut harness);
+    for name in ["ductile", "high"] {
+        harness.key_press_modifiers(Modifiers::SHIFT, Key::H);
+        harness.step();
+        let part = greenstick_studio::model::fan::FanPart::End;
+        let dot = harness.state_mut().fan_dot(part).unwrap();
+        harness.hover_at(dot);
+        check_with_pointer(&mut harness, &state, name);
+    }
+}
+
+#[test]
+fn a_painted_face_looks_as_it_did() {
+    let Some(state) = card("a_painted_face_looks_as_it_did") else {
+        return;
+    };
+    let folder = Folder::new();
+    let mut harness = window(&folder, None, &state);
+    harness.get_by_label("brash").click();
+    settle(&mut harness);
+    from_above(&mut harness);
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    harness.state_mut().paint.brush.strength = 1.0;
+    let mut stroke = |label: &str, from: (f32, f32), to: (f32, f32)| {
+        harness.get_by_label(label).click();
+        harness.run_steps(2);
+        let [from, to] =
+            [from, to].map(|(rho, angle)| harness.state_mut().face_place_at(rho, angle).unwrap());
+        drag(&mut harness, from, to);
+        to
+    };
+    stroke("Stay", (0.75, 2.4), (0.75, 3.6));
+    stroke("Stay", (0.75, 3.6), (0.75, 2.4));
+    stroke("Splinter", (0.6, 5.2), (0.6, 6.6));
+    let end = stroke("Splinter", (0.6, 6.6), (0.6, 5.2));
+    harness.hover_at(end);
+    check_with_pointer(&mut harness, &state, "painted");
 }

@@ -28,6 +28,10 @@ use std::time::Duration;
 /// again, which an answer that is nearly there does not.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
+/// What stands on the page when nothing is drawn any more.
+const STOPPED: &str = "The studio has stopped, most often because the graphics card was taken from it. Load the page again: its \
+                       address holds what was being made. What happened is in the browser's console.";
+
 /// What the second helper does.
 enum Filing {
     /// Finds out what these files are.
@@ -77,7 +81,7 @@ async fn open_page() {
         let wake = Rc::new(move || ctx.request_repaint());
         let mut studio = Studio::new(&creation.egui_ctx, Box::new(Web::new(wake)), None);
         if let Some(state) = &creation.wgpu_render_state {
-            studio.use_card(state);
+            studio.use_card(&creation.egui_ctx, state);
         }
         Ok(Box::new(studio))
     });
@@ -99,10 +103,7 @@ async fn open_page() {
 fn say_faults() {
     let console = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |fault| {
-        browser::say(Some(
-            "The studio has stopped, most often because the graphics card was taken from it. Load the page again: its address holds \
-             what was being made. What happened is in the browser's console.",
-        ));
+        browser::say(Some(STOPPED));
         console(fault);
     }));
 }
@@ -450,6 +451,10 @@ impl Platform for Web {
     }
 
     fn note_recent(&mut self, _: &str) {}
+
+    fn tell_card_lost(&mut self) {
+        browser::say(Some(STOPPED));
+    }
 
     fn keep(&mut self, project: Option<&ProjectFile>) {
         if let Some(ProjectFile { request, .. }) = project {

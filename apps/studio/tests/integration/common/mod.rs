@@ -69,6 +69,17 @@ pub fn studio_on(
     builder.build_ui_state(|ui, studio: &mut Studio| studio.frame(ui), state)
 }
 
+/// The same studio in another window, drawn by another renderer.
+pub fn moved_to(
+    harness: Harness<'static, Studio>,
+    size: egui::Vec2,
+    renderer: impl TestRenderer + 'static,
+) -> Harness<'static, Studio> {
+    let builder = builder(size).renderer(renderer);
+    let state = harness.into_state();
+    builder.build_ui_state(|ui, studio: &mut Studio| studio.frame(ui), state)
+}
+
 /// Longest wait for an answer: test machines may be busy.
 const PATIENCE: Duration = Duration::from_secs(300);
 

@@ -1,0 +1,162 @@
+//! Painting on the broken face: strokes with the pointer, undone as one step each, saved, and broken by the command line.
+
+use crate::common::{Folder, drag, exported, saved_and_broken, settle, studio};
+use eframe::egui::{Key, Modifiers, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use greenstick::RequestFile;
+use greenstick::fracture::height_grid::HeightGrid;
+use greenstick::fracture::heights::FailureMode;
+use greenstick_studio::model::painted::{Brush, BrushKind, middles};
+use greenstick_studio::ui::studio::Studio;
+use std::time::Instant;
+
+fn grid(harness: &Harness<'static, Studio>) -> HeightGrid {
+    let painted = harness.state().project.painted(0);
+    painted.cloned().unwrap_or_default()
+}
+
+fn place(harness: &mut Harness<'static, Studio>, rho: f32, angle: f32) -> Pos2 {
+    harness.state_mut().face_place_at(rho, angle).unwrap()
+}
+
+/// Mean of some values of a grid over cells that a stroke along an angle from one ring coordinate to another covers, and over those
+/// on the other side of the pith.
+fn sides(grid: &HeightGrid, values: &[f64], angle: f64) -> [f64; 2] {
+    [0.0, std::f64::consts::PI].map(|turn| {
+        let near =
+            |(rho, phi): (f64, f64)| (phi - angle - turn).cos() > 0.97 && (0.4..0.7).contains(&rho);
+        let chosen: Vec<f64> = middles(grid)
+            .zip(values)
+            .filter(|(m, _)| near(*m))
+            .map(|(_, v)| *v)
+            .collect();
+        chosen.iter().sum::<f64>() / chosen.len() as f64
+    })
+}
+
+#[test]
+fn strokes_on_the_face_say_what_stays_and_what_splinters() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::Num7);
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    let stroke = |harness: &mut Harness<'static, Studio>| {
+        let (from, to) = (place(harness, 0.3, 1.0), place(harness, 0.8, 1.0));
+        drag(harness, from, to);
+        let messages = harness.state().messages();
+        assert!(messages.iter().all(|m| !m.is_error), "{messages:?}");
+    };
+    stroke(&mut harness);
+    let stays = grid(&harness);
+    // The plane of the face is painted over now: its handle is gone.
+    assert!(harness.state().handle_at().is_none());
+    let radius = harness.state().report().unwrap().place.radius_m;
+    let [here, there] = sides(&stays, &stays.values, 1.0);
+    assert!(here > 0.1 * radius && there == 0.0, "{here} {there}");
+    harness.get_by_label("Splinter").click();
+    harness.run_steps(2);
+    assert_eq!(harness.state().paint.brush.kind, BrushKind::Splinter);
+    stroke(&mut harness);
+    let splinters = grid(&harness);
+    let [here, there] = sides(&splinters, &splinters.splintering, 1.0);
+    assert!(here > 1.5 && there == 1.0, "{here} {there}");
+    assert_eq!(splinters.values, stays.values);
+    let (saved, bytes) = saved_and_broken(&mut harness, &folder);
+    assert_eq!(saved, harness.state().project.file);
+    assert!(bytes == exported(&harness), "not the command line's bytes");
+    // Each stroke is a step.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(grid(&harness), stays);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, RequestFile::default());
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut harness);
+    assert_eq!(grid(&harness), stays);
+    harness.get_by_label("Clear").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, RequestFile::default());
+}
+
+#[test]
+fn a_stroke_over_the_bark_says_where_it_breaks() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    harness.state_mut().paint.brush = Brush {
+        kind: BrushKind::Break,
+        size: 0.5,
+        strength: 1.0,
+    };
+    let radius = harness.state().report().unwrap().place.radius_m;
+    // The bark that faces who looks: below the rim at an angle at which it is nearest to the bottom of the picture.
+    let angles = (0..24).map(|i| f64::from(i) * std::f64::consts::TAU / 24.0);
+    let rim: Vec<(f64, Pos2)> = angles
+        .map(|a| (a, place(&mut harness, 1.0, a as f32)))
+        .collect();
+    let (angle, edge) = rim
+        .into_iter()
+        .max_by(|a, b| a.1.y.total_cmp(&b.1.y))
+        .unwrap();
+    let from = edge + eframe::egui::vec2(0.0, 40.0);
+    drag(&mut harness, from, from + eframe::egui::vec2(8.0, 0.0));
+    let painted = grid(&harness);
+    let at_bark: Vec<f64> = middles(&painted)
+        .zip(&painted.values)
+        .filter(|((rho, phi), _)| *rho > 0.95 && (phi - angle).cos() > 0.98)
+        .map(|(_, height)| *height)
+        .collect();
+    let lowest = at_bark.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(lowest < -0.3 * radius, "{at_bark:?}");
+    // The rim of the break is where the stroke was.
+    let rim = place(&mut harness, 1.0, angle as f32);
+    assert!(rim.y > edge.y + 12.0, "{rim} {edge}");
+}
+
+#[test]
+fn a_stroke_with_ctrl_does_the_opposite_and_beside_the_stem_the_picture_turns() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::Num7);
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    let corner = eframe::egui::pos2(330.0, 640.0);
+    drag(&mut harness, corner, corner + eframe::egui::vec2(3.0, 0.0));
+    assert_eq!(harness.state().project.file, RequestFile::default());
+    harness.state_mut().paint.brush.kind = BrushKind::Splinter;
+    harness.state_mut().paint.brush.strength = 1.0;
+    let (from, to) = (place(&mut harness, 0.3, 4.0), place(&mut harness, 0.8, 4.0));
+    let held = Modifiers::COMMAND;
+    harness.event(eframe::egui::Event::PointerMoved(from));
+    harness.step();
+    let button = |pos, pressed| eframe::egui::Event::PointerButton {
+        pos,
+        button: eframe::egui::PointerButton::Primary,
+        pressed,
+        modifiers: held,
+    };
+    let mut longest: f64 = 0.0;
+    harness.event_modifiers(button(from, true), held);
+    for i in 0..=12 {
+        let pos = from + (to - from) * (i as f32 / 12.0);
+        harness.event_modifiers(eframe::egui::Event::PointerMoved(pos), held);
+        let start = Instant::now();
+        harness.step();
+        longest = longest.max(start.elapsed().as_secs_f64());
+    }
+    harness.event_modifiers(button(to, false), held);
+    settle(&mut harness);
+    println!("longest update {:.1} ms", 1e3 * longest);
+    let blunt = grid(&harness);
+    let crushed = blunt.modes.iter().filter(|m| **m == FailureMode::Crushed);
+    assert!(crushed.count() > 10);
+    let [here, there] = sides(&blunt, &blunt.splintering, 4.0);
+    assert!(here < 0.5 && there == 1.0, "{here} {there}");
+}
