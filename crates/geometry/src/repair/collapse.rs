@@ -21,6 +21,15 @@ pub struct Collapsed {
     pub remaining: usize,
 }
 
+/// The end of an edge that it is collapsed to, by the order of its points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum CollapseTo {
+    /// The point with the lower number.
+    First,
+    /// The other.
+    Second,
+}
+
 /// The triangles of a mesh on its points; vertices at one position share a point.
 pub struct EdgeCollapser {
     /// Point of every vertex.
@@ -33,6 +42,8 @@ pub struct EdgeCollapser {
     pub triangles: Vec<[u32; 3]>,
     /// Triangles at every point.
     around: Vec<Vec<u32>>,
+    /// Where edges are collapsed to whose ends are both free.
+    to: CollapseTo,
 }
 
 impl EdgeCollapser {
@@ -59,6 +70,7 @@ impl EdgeCollapser {
             triangles,
             around: vec![Vec::new(); count],
             points: Vec::new(),
+            to: CollapseTo::First,
         };
         for (t, corners) in collapser.triangles.iter().enumerate() {
             corners
@@ -66,6 +78,11 @@ impl EdgeCollapser {
                 .for_each(|&p| collapser.around[p as usize].push(t as u32));
         }
         collapser
+    }
+
+    /// Sets the end that edges are collapsed to where both are free.
+    pub(super) fn collapse_to(&mut self, end: CollapseTo) {
+        self.to = end;
     }
 
     /// Collapses the edges of the triangles in `pairs` that are no longer than `longest`, the shortest first. If one end
@@ -83,6 +100,10 @@ impl EdgeCollapser {
                 break;
             }
             let (a, b) = (self.current(a), self.current(b));
+            let (a, b) = match self.to {
+                CollapseTo::First => (a, b),
+                CollapseTo::Second => (b, a),
+            };
             let (a, b) = if is_fixed(b) { (b, a) } else { (a, b) };
             if is_fixed(b) || !self.merge(a, b) {
                 continue;

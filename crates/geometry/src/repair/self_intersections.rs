@@ -6,7 +6,7 @@
 //! to lie on each other, are removed in the same way.
 
 use super::bisection::{crossing_pairs, crossing_pairs_within};
-use super::collapse::{Collapsed, EdgeCollapser};
+use super::collapse::{CollapseTo, Collapsed, EdgeCollapser};
 use super::snap::snap_with_topology;
 use crate::Mesh;
 use crate::components::Topology;
@@ -157,23 +157,55 @@ fn resolve(
     let is_ours: Vec<bool> = (mesh.triangles.iter())
         .map(|t| !t.iter().all(|&v| is_known(v)))
         .collect();
-    let mut faults = faults_among(mesh, &is_ours, (positions, &topology), face);
-    let mut done = Collapsed {
-        faults: faults.len(),
-        remaining: faults.len(),
-        ..Collapsed::default()
-    };
+    let faults = faults_among(mesh, &is_ours, (positions, &topology), face);
+    let found = faults.len();
     if faults.is_empty() || !extent.is_finite() {
+        let done = Collapsed {
+            faults: found,
+            remaining: found,
+            ..Collapsed::default()
+        };
         return (done, Some(topology));
     }
     drop(topology);
-    let mut collapser = EdgeCollapser::from_mesh(mesh);
+    let attempt = |end: CollapseTo| {
+        let mut collapser = EdgeCollapser::from_mesh(mesh);
+        collapser.collapse_to(end);
+        let mut done = Collapsed {
+            faults: found,
+            ..Collapsed::default()
+        };
+        done.remaining = collapse_faults(&mut collapser, &faults, &is_ours, extent, &mut done);
+        (collapser, done)
+    };
+    let mut best = attempt(CollapseTo::First);
+    if best.1.remaining > 0 {
+        // Triangles that still cross with edges collapsed to one of their ends may not with edges collapsed to the other.
+        let other = attempt(CollapseTo::Second);
+        if other.1.remaining < best.1.remaining {
+            best = other;
+        }
+    }
+    let (collapser, done) = best;
+    collapser.write_back(mesh);
+    (done, None)
+}
+
+/// Collapses edges of the `faults` of a mesh of this extent in rounds. Returns how many are left.
+fn collapse_faults(
+    collapser: &mut EdgeCollapser,
+    faults: &[[u32; 2]],
+    is_ours: &[bool],
+    extent: f64,
+    done: &mut Collapsed,
+) -> usize {
     let is_faulty = |collapser: &EdgeCollapser, t: u32| {
         is_ours[t as usize] && (collapser.is_degenerate(t) || collapser.is_non_manifold(t))
     };
+    let mut faults = faults.to_vec();
     for round in 0..ROUNDS {
         let longest = extent * FIRST_LENGTH * f64::from(1 << round);
-        let changed = collapser.collapse_edges(&faults, longest, &|_| false, &mut done);
+        let changed = collapser.collapse_edges(&faults, longest, &|_| false, done);
         if changed.is_empty() {
             continue;
         }
@@ -184,12 +216,12 @@ fn resolve(
             Some(&changed),
         ));
         faults.retain(|p| {
-            p.iter().all(|&t| is_ours[t as usize]) && (p[0] != p[1] || is_faulty(&collapser, p[0]))
+            p.iter().all(|&t| is_ours[t as usize]) && (p[0] != p[1] || is_faulty(collapser, p[0]))
         });
         faults.extend(
             changed
                 .iter()
-                .filter(|&&t| is_faulty(&collapser, t))
+                .filter(|&&t| is_faulty(collapser, t))
                 .map(|&t| [t, t]),
         );
         faults.sort_unstable();
@@ -198,9 +230,7 @@ fn resolve(
             break;
         }
     }
-    collapser.write_back(mesh);
-    done.remaining = faults.len();
-    (done, None)
+    faults.len()
 }
 
 /// Returns the faults of the triangles that are `chosen`: pairs that cross, then as pairs with themselves those without
