@@ -278,6 +278,17 @@ impl<'a> TornRelief<'a> {
         own + (at(ring.min(1.0), ray) - own) * LAYER_SHARE
     }
 
+    /// Returns the height of a sliver on its slab, which slivers run up like the treads of a stair, in slab heights; the share of the
+    /// slab's own height in it; and the part of the slab's height that the sliver has.
+    fn tread(&self, end: &TornEnd) -> (f64, f64, f64) {
+        let (own_height, shared) = end.slab_heights;
+        let (own_share, shortest) = self.slab_shares();
+        let short = end.sliver_random[0];
+        let shortened = 1.0 - shortest * short * short;
+        let height = shared + (own_height - shared) * own_share;
+        (height * shortened, own_share, shortened)
+    }
+
     fn wood_height(
         &self,
         noises: &mut NoiseSamplers,
@@ -298,12 +309,8 @@ impl<'a> TornRelief<'a> {
             relief,
         } = self.large_shape(noises, (index, end), (at, middle), noise);
         let slab = self.ends.slabs.slab(end.slab as usize);
-        // Slivers run up a slab like the treads of a stair.
-        let (own_height, shared) = end.slab_heights;
-        let (own_share, shortest) = self.slab_shares();
-        let slab_height = shared + (own_height - shared) * own_share;
-        let [short, long, high] = end.sliver_random;
-        let slab_height = slab_height * (1.0 - shortest * short * short);
+        let (slab_height, own_share, shortened) = self.tread(end);
+        let [_, long, high] = end.sliver_random;
         // Both halves keep their splinters: every other slab tears downwards.
         let up = if slab.height > 0.0 { 1.0 } else { -1.0 };
         // Short ones are common, long ones rare.
@@ -351,7 +358,7 @@ impl<'a> TornRelief<'a> {
             slant: slant + tilt,
             sliver: up * outline,
             fork: up * fork,
-            slab: own_share * torn * relief * p.slab_height * (1.0 - shortest * short * short),
+            slab: own_share * torn * relief * p.slab_height * shortened,
             plates: torn * self.brittle * PLATE_HEIGHT * p.step_height,
             rough: torn * p.step_height * (1.0 - PLATE_SMOOTHNESS * self.brittle)
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
