@@ -107,6 +107,8 @@ def lose_the_card(studio, folder):
         first = wait_for("a window", lambda: xdotool("search", "--name", "Greenstick"))
 
         def is_another():
+            if window.poll() is not None:
+                sys.exit(f"the studio ended with code {window.returncode} when its graphics device was lost")
             found = xdotool("search", "--name", "Greenstick")
             return found if found and found != first else None
 

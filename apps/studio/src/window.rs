@@ -54,6 +54,9 @@ const MOST_LOSSES: usize = 3;
 /// What is soon.
 const SOON: Duration = Duration::from_secs(60);
 
+/// Time in which a device tells of its end where a window ended in the middle of a frame: it first ends what it was given to draw.
+const NEWS: Duration = Duration::from_secs(10);
+
 /// The studio, which outlives its windows.
 type Held = Rc<RefCell<Option<Studio>>>;
 
@@ -89,7 +92,8 @@ pub fn run(path: Option<&str>, on_card: impl Fn(&::wgpu::Device)) -> Result<(), 
         let begun = Instant::now();
         // What draws the window does not expect its device to be lost in the middle of a frame.
         let ended = catch_unwind(AssertUnwindSafe(|| open(&held, &present, path, &on_card)));
-        let lost = held.borrow().as_ref().and_then(Studio::lost_card);
+        let patience = if ended.is_err() { NEWS } else { Duration::ZERO };
+        let lost = why_lost(&held, patience);
         let reason = match (ended, lost) {
             (Ok(ended), None) => return ended.map_err(|e| advice(&e)),
             (Ok(Err(error)), Some(_)) => return Err(advice(&error)),
@@ -110,6 +114,18 @@ pub fn run(path: Option<&str>, on_card: impl Fn(&::wgpu::Device)) -> Result<(), 
             ));
         }
         eprintln!("the graphics card was lost ({reason}); the window begins again");
+    }
+}
+
+/// Returns why the graphics device was lost, if it was or is within `patience`.
+fn why_lost(held: &Held, patience: Duration) -> Option<String> {
+    let begun = Instant::now();
+    loop {
+        let lost = held.borrow().as_ref().and_then(Studio::lost_card);
+        if lost.is_some() || begun.elapsed() >= patience {
+            return lost;
+        }
+        std::thread::sleep(Duration::from_millis(10));
     }
 }
 
