@@ -280,7 +280,7 @@ impl<'a> TornRelief<'a> {
 
     /// Returns the height of a sliver on its slab, which slivers run up like the treads of a stair, in slab heights; the share of the
     /// slab's own height in it; and the part of the slab's height that the sliver has.
-    fn tread(&self, end: &TornEnd) -> (f64, f64, f64) {
+    fn height_on_slab(&self, end: &TornEnd) -> (f64, f64, f64) {
         let (own_height, shared) = end.slab_heights;
         let (own_share, shortest) = self.slab_shares();
         let short = end.sliver_random[0];
@@ -309,7 +309,7 @@ impl<'a> TornRelief<'a> {
             relief,
         } = self.large_shape(noises, (index, end), (at, middle), noise);
         let slab = self.ends.slabs.slab(end.slab as usize);
-        let (slab_height, own_share, shortened) = self.tread(end);
+        let (slab_height, own_share, shortened) = self.height_on_slab(end);
         let [_, long, high] = end.sliver_random;
         // Both halves keep their splinters: every other slab tears downwards.
         let up = if slab.height > 0.0 { 1.0 } else { -1.0 };
