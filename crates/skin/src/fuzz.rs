@@ -73,11 +73,15 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
         return made.finish();
     };
     for wall in &walls {
+        let random = |k: i64| unit(options.seed ^ PURPOSE, wall.triangle as i64, -1, k);
+        let here = (wall.strands + random(0)) as usize;
+        // Most walls have none.
+        if here == 0 {
+            continue;
+        }
         let Some(frame) = face.frame(wall.triangle) else {
             continue;
         };
-        let random = |k: i64| unit(options.seed ^ PURPOSE, wall.triangle as i64, -1, k);
-        let here = (wall.strands + random(0)) as usize;
         for number in 0..here {
             let strand = strand_on(&frame, (wall.triangle, number), options);
             if let Some(strand) = strand.filter(|s| made.triangles() + s.triangles() <= most) {
@@ -175,8 +179,8 @@ fn slope([e, f]: [DVec3; 2], [ge, gf]: [DVec3; 2]) -> Option<(DVec3, f64)> {
     }
     // By the dual basis of the edges.
     let rise = f.cross(normal) * (ge.z / square) + normal.cross(e) * (gf.z / square);
-    let unit = (ge.length() / e.length()).max(gf.length() / f.length());
-    Some((rise, rise.length_squared() / (unit * unit)))
+    let scale = |grain: DVec3, edge: DVec3| grain.length_squared() / edge.length_squared();
+    Some((rise, rise.length_squared() / scale(ge, e).max(scale(gf, f))))
 }
 
 /// Finds the torn walls of a piece, with the number of strands that each should have.

@@ -23,17 +23,38 @@ const ROUNDS: i32 = 13;
 
 /// Positions, rounded to `f32`, of points whose faults the input brought along and that are left as they are.
 #[derive(Debug, Clone, Default)]
-pub struct KnownPositions(FxHashSet<(u64, u32)>);
+pub struct KnownPositions {
+    positions: FxHashSet<(u64, u32)>,
+    /// A bit for each of many groups of positions, whether any is in the set: most points asked about are new, and these bits stay in
+    /// the cache (B. H. Bloom, *Space/time trade-offs in hash coding with allowable errors*, 1970, with one hash).
+    groups: Vec<u64>,
+}
 
 impl KnownPositions {
     /// Returns the positions of a mesh.
     pub fn from_mesh(mesh: &Mesh) -> Self {
-        KnownPositions(mesh.positions.iter().map(|&p| position_key(p)).collect())
+        let positions: FxHashSet<_> = mesh.positions.iter().map(|&p| position_key(p)).collect();
+        let mut groups = vec![0; positions.len().div_ceil(8).next_power_of_two()];
+        for &key in &positions {
+            let (word, bit) = group(key, groups.len());
+            groups[word] |= bit;
+        }
+        KnownPositions { positions, groups }
     }
 
     fn contains(&self, p: DVec3) -> bool {
-        self.0.contains(&position_key(p))
+        let key = position_key(p);
+        let (word, bit) = group(key, self.groups.len());
+        self.groups.get(word).is_some_and(|w| w & bit != 0) && self.positions.contains(&key)
     }
+}
+
+/// The word, of a number that is a power of two, and the bit in it of the group of a position.
+fn group((xy, z): (u64, u32), words: usize) -> (usize, u64) {
+    let mixed = (xy ^ u64::from(z).rotate_left(40)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mixed = (mixed ^ mixed >> 32).wrapping_mul(0xD6E8_FEB8_6659_FD93);
+    let word = (mixed >> 32) as usize & words.saturating_sub(1);
+    (word, 1 << (mixed >> 26 & 63))
 }
 
 /// The bits of a position in `f32`; both zeros have the same. Two numbers are hashed sooner than an array.
