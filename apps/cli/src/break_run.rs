@@ -97,10 +97,11 @@ pub fn draw(
     ]);
     let mut faces = simulated_faces(run, number, PartlyBroken::Separated, &deciding)?;
     faces.request.texture_width = request.file.texture_width;
+    let common = &request.file.common;
     for one in &mut faces.request.breaks {
-        one.separation = request.file.common.separation;
-        one.fray = request.file.common.fray;
-        one.recipe.face.hang = request.file.common.recipe.face.hang;
+        (one.separation, one.part_clear) = (common.separation, common.part_clear);
+        one.fray = common.fray;
+        one.recipe.face.hang = common.recipe.face.hang;
     }
     for setting in &options.set {
         faces

@@ -17,6 +17,7 @@ pub mod film;
 pub mod intersect;
 pub mod material;
 pub mod mesh;
+pub mod overlap;
 pub mod provenance;
 pub mod repair;
 pub mod scene;

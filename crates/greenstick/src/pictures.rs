@@ -7,7 +7,7 @@ use greenstick_picture::{
     Appearance, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere, View,
     azimuth_of_view, render_scene,
 };
-use greenstick_skin::view::{self, BreakView, Sight};
+use greenstick_skin::view::{self, BreakView};
 use greenstick_skin::{WoodField, materials};
 use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
 use greenstick_wood::stem::Stem;
@@ -71,6 +71,7 @@ impl<'a> StemShader<'a> {
     /// The point of the stem that a ray meets.
     fn point(&self, hit: &Hit) -> SurfacePoint {
         let grain = hit.attribute("_GRAIN");
+        let moved = self.moved || hit.attribute(view::FALLEN).is_some();
         SurfacePoint {
             position: hit.position,
             normal: hit.normal,
@@ -78,8 +79,8 @@ impl<'a> StemShader<'a> {
             grain: grain
                 .map(|g| DVec3::new(g[0], g[1], g[2]))
                 .filter(|g| *g != DVec3::ZERO),
-            moved: self.moved,
-            grain_gradients: self.moved.then(|| hit.gradients("_GRAIN")).flatten(),
+            moved,
+            grain_gradients: moved.then(|| hit.gradients("_GRAIN")).flatten(),
             footprint: hit.footprint,
         }
     }
@@ -193,10 +194,9 @@ fn picture_of_moved_wood(
     if let (None, Some(diameters)) = (options.zoom, options.close_up) {
         options.zoom = close_up(scene, &inner, diameters);
     }
-    if options.zoom.is_some() || !options.shown.is_empty() {
-        return render_scene(scene, &shader, &options, context);
+    if options.zoom.is_none() && options.shown.is_empty() {
+        options.shown = view::points_without_splinters(scene);
     }
-    options.shown = view::points_without_splinters(scene);
     render_scene(scene, &shader, &options, context)
 }
 
@@ -213,24 +213,24 @@ pub fn picture_of_break(
     let shader = StemShader::new(&broken.scene, woods, false)?;
     // Only a stem with one break is opened for its picture.
     let [wood] = &broken.woods[..] else {
-        let mut options = options.clone();
-        if let (None, Some(diameters), Some(first)) =
-            (options.zoom, options.close_up, broken.woods.first())
-        {
-            options.zoom = close_up(&broken.scene, &[first.material], diameters);
-        }
+        let near = options.close_up.zip(broken.woods.first());
+        let near = near.and_then(|(d, wood)| close_up(&broken.scene, &[wood.material], d));
+        let options = PictureOptions {
+            zoom: options.zoom.or(near),
+            ..options.clone()
+        };
         return render_scene(&broken.scene, &shader, &options, context);
     };
-    let opened = view(broken, wood).opened(&broken.scene, &broken.roles);
-    let scene = if broken.hinge.is_some() || broken.end.is_some() {
-        &broken.scene
-    } else {
-        &opened
+    let is_opened = broken.hinge.is_none() && broken.end.is_none();
+    let mut scene = match is_opened {
+        true => view(broken, wood).opened(&broken.scene, &broken.roles),
+        false => broken.scene.clone(),
     };
     let mut options = options.clone();
     if let (None, Some(diameters), None) = (options.zoom, options.close_up, broken.end) {
-        aim(broken, wood, scene, &mut options);
-        let (near, shown) = (close_up(scene, &[wood.material], diameters), &options.shown);
+        aim(broken, wood, &scene, &mut options);
+        let near = close_up(&scene, &[wood.material], diameters);
+        let shown = &options.shown;
         // The floor hides what lies beyond the stubs.
         let is_nearer = |s: &Sphere| shown.iter().any(|p| p.distance(s.centre) > s.radius);
         options.zoom = near.filter(|s| shown.is_empty() || is_nearer(s));
@@ -248,9 +248,12 @@ pub fn picture_of_break(
             };
         }
     } else if options.zoom.is_none() && options.shown.is_empty() {
-        aim(broken, wood, scene, &mut options);
+        aim(broken, wood, &scene, &mut options);
     }
-    render_scene(scene, &shader, &options, context)
+    if is_opened && options.chips && options.floor && !options.shown.is_empty() {
+        (scene.nodes).push(view(broken, wood).chips(&options.shown, options.up));
+    }
+    render_scene(&scene, &shader, &options, context)
 }
 
 /// A break as a picture shows it.
@@ -270,17 +273,12 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
     let Some(points) = view.points(scene, &broken.scene, &broken.roles) else {
         return;
     };
-    options.shown = points;
-    let Sight {
-        up,
-        direction,
-        elevation,
-    } = view.sight(broken.hinge);
-    options.up = up;
+    let sight = view.sight(broken.hinge);
+    (options.shown, options.up) = (points, sight.up);
     if options.view == View::Automatic {
         options.view = View::Direction {
-            azimuth: azimuth_of_view(up, direction),
-            elevation,
+            azimuth: azimuth_of_view(sight.up, sight.direction),
+            elevation: sight.elevation,
         };
     }
 }

@@ -96,6 +96,8 @@ parameters! {
             depth_of_field: f64 = 0.0, number(Unit::One, 0.0, 1.0);
             /// Lays a coin of one euro, 23 mm wide, in front of the wood, for scale.
             coin: bool = false, flag();
+            /// Strews chips of torn wood about an opened break.
+            chips: bool = true, flag();
         }
     }
 }
@@ -115,6 +117,7 @@ impl PictureParameters {
             close_up: self.close_up,
             depth_of_field: self.depth_of_field,
             coin: self.coin,
+            chips: self.chips,
             ..PictureOptions::everything()
         }
     }

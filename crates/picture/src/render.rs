@@ -38,6 +38,8 @@ pub struct PictureOptions {
     pub depth_of_field: f64,
     /// Whether a coin lies on the floor in front of the scene, for scale.
     pub coin: bool,
+    /// Whether whoever opens broken wood for the picture strews chips of it about; [`render`] does not look at it.
+    pub chips: bool,
     /// Points in the world that fit into the picture if `zoom` is `None`, m; empty for all vertices.
     pub shown: Vec<DVec3>,
     /// Upward direction, of any length above 0: the vertical of the picture and the normal of the floor.
@@ -68,6 +70,7 @@ impl PictureOptions {
             close_up: None,
             depth_of_field: 0.0,
             coin: false,
+            chips: true,
             shown: Vec::new(),
             up: DVec3::Y,
             floor: true,

@@ -428,9 +428,10 @@ impl Studio {
         });
         let mut file = self.project.file.clone();
         let apart = self.apart();
-        file.common.separation = file.common.separation.max(apart);
-        for one in &mut file.breaks {
-            one.separation = one.separation.max(apart);
+        for one in file.breaks.iter_mut().chain([&mut file.common]) {
+            if one.separation < apart {
+                (one.separation, one.part_clear) = (apart, false);
+            }
         }
         let job = Job {
             input: self.project.input.clone(),

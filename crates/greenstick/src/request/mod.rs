@@ -7,7 +7,7 @@ pub use greenstick_skin::stages::BreakStage;
 
 use greenstick_fracture::height_grid::HeightGrid;
 use greenstick_fracture::recipe::{HasRecipe, Recipe};
-use greenstick_schema::{Unit, count, length, number, parameters, text};
+use greenstick_schema::{Unit, count, flag, length, number, parameters, text};
 use greenstick_wood::anatomy::BreakRingParameters;
 use greenstick_wood::stem::{LOCATION, StemLocation, StemOptions};
 
@@ -26,8 +26,10 @@ parameters! {
             /// The most triangles that the pieces together may have beyond those of the stem that is broken. Where they would
             /// have more, the face has fewer rings and sectors, and spiral grain fewer levels.
             triangles: Option<u32> = None, count(1, 1_000_000_000).auto().stage("layout");
-            /// Move the pieces apart by this length.
+            /// Move the pieces apart by this length, along the grain.
             separation as "part": f64 = 0.0, length(0.0, MAX_DISTANCE);
+            /// Move them farther than that where their splinters would still lie in each other.
+            part_clear: bool = true, flag();
             /// Bend thorns and tear some loose: 0 not at all, 1 badly.
             fray: f64 = 0.0, number(Unit::One, 0.0, 1.0);
         }

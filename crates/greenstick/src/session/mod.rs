@@ -264,6 +264,7 @@ impl BreakSession {
                         asked,
                         fray: requested.fray,
                         separation: requested.separation,
+                        clear: requested.part_clear,
                         most_triangles: requested.triangles,
                     };
                     finish(&stages, &options)

@@ -1,6 +1,7 @@
 //! Breaks, films and simulations from input to files.
 
 mod board_rings;
+mod chips;
 mod cracks;
 mod declared_stages;
 mod dowel_rings;

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick::geometry::{Aabb, Bvh, Context, Mesh, Node, Scene};
 use greenstick::wood::primitive;
-use greenstick::{Break, BreakRequest, break_scene};
+use greenstick::{Break, BreakRequest, Broken, break_scene};
 
 /// A limb 4 cm thick that is bent to an arc of 35 cm radius.
 fn bent_limb() -> Scene {
@@ -71,37 +71,109 @@ fn shared(a: &Solid, b: &Solid) -> f64 {
     found as f64 * STEP.powi(3)
 }
 
-#[test]
-fn halves_of_a_bent_limb_slide_out_of_each_other() {
-    // Long splinters, whatever the seed makes of them.
-    let request = |separation| {
-        let mut one = Break {
-            separation,
-            ..Break::default()
-        };
-        (one.recipe.face.slab_height, one.recipe.face.slab_count) = (4.0, 12);
-        BreakRequest {
-            texture_width: 16,
-            ..BreakRequest::single(one)
-        }
+/// Long splinters, whatever the seed makes of them.
+fn long_splinters() -> Break {
+    let mut one = Break::default();
+    (one.recipe.face.slab_height, one.recipe.face.slab_count) = (4.0, 12);
+    one
+}
+
+fn broken(scene: Scene, one: Break) -> Broken {
+    let request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::single(one)
     };
-    let quiet = Context::quiet();
-    let distance = 0.03;
-    let broken = break_scene(bent_limb(), &request(distance), &quiet).unwrap();
+    break_scene(scene, &request, &Context::quiet()).unwrap()
+}
+
+/// The lower piece of a break, and the upper one.
+fn halves(broken: &Broken) -> [&Node; 2] {
     let [lower, upper] = &broken.scene.nodes[..2] else {
         panic!("two pieces");
     };
+    [lower, upper]
+}
+
+/// Volume that the halves of a break share, m³.
+fn shared_by(broken: &Broken) -> f64 {
+    let [lower, upper] = halves(broken).map(|node| Solid::new(&node.mesh, node.transform));
+    shared(&lower, &upper)
+}
+
+/// Volume that the halves would share if the upper one had been moved straight by a way.
+fn shared_if_moved(broken: &Broken, way: DVec3) -> f64 {
+    let [lower, upper] = halves(broken);
+    let moved = DAffine3::from_translation(way) * lower.transform;
     let fixed = Solid::new(&lower.mesh, lower.transform);
-    let overlap = shared(&fixed, &Solid::new(&upper.mesh, upper.transform));
+    shared(&fixed, &Solid::new(&upper.mesh, moved))
+}
+
+/// The ways (m) of pieces that were moved farther than requested, as the report says.
+fn ways(broken: &Broken) -> Vec<f64> {
+    let way = |note: &String| {
+        let cm = note.strip_prefix("the pieces were moved apart by ")?;
+        cm.split_once(" cm")?.0.parse::<f64>().ok()
+    };
+    let cm = broken.report.notes.iter().filter_map(way);
+    cm.map(|cm| cm / 100.0).collect()
+}
+
+#[test]
+fn halves_of_a_bent_limb_slide_out_of_each_other() {
+    let request = Break {
+        separation: 0.03,
+        part_clear: false,
+        ..long_splinters()
+    };
+    let (distance, made) = (request.separation, broken(bent_limb(), request));
     // Moved straight along the stem at the break, they overlap.
-    let tangent = broken.woods[0]
-        .stem
-        .grain
-        .axis()
-        .frame(broken.woods[0].stem.location)
-        .tangent;
-    let straight = DAffine3::from_translation(tangent * distance) * lower.transform;
-    let before = shared(&fixed, &Solid::new(&upper.mesh, straight));
+    let axis = made.woods[0].stem.grain.axis();
+    let tangent = axis.frame(made.woods[0].stem.location).tangent;
+    let before = shared_if_moved(&made, tangent * distance);
+    let slid = shared_by(&made);
     assert!(before > 2e-7, "{before}");
-    assert!(overlap < 0.1 * before, "{overlap} of {before}");
+    assert!(slid > 0.0 && slid < 0.3 * before, "{slid} of {before}");
+}
+
+#[test]
+fn halves_of_a_bent_limb_are_moved_until_neither_lies_in_the_other() {
+    let request = Break {
+        separation: 0.03,
+        ..long_splinters()
+    };
+    let made = broken(bent_limb(), request.clone());
+    let [way] = ways(&made)[..] else {
+        panic!("one way: {:?}", made.report);
+    };
+    assert!(way > request.separation);
+    assert_eq!(shared_by(&made), 0.0);
+    // A shorter way is not long enough.
+    let shorter = Break {
+        separation: 0.9 * way,
+        part_clear: false,
+        ..request
+    };
+    assert!(shared_by(&broken(bent_limb(), shorter)) > 0.0);
+}
+
+#[test]
+fn halves_with_spiral_grain_are_screwed_out_of_each_other() {
+    let straight = || Scene {
+        nodes: vec![Node::new(
+            "stick",
+            DAffine3::IDENTITY,
+            primitive::cylinder_of(0.02, 0.5, 48, 60),
+        )],
+        ..Scene::default()
+    };
+    let mut request = Break {
+        separation: 0.02,
+        part_clear: false,
+        ..long_splinters()
+    };
+    request.recipe.face.spiral_angle = 20.0;
+    let made = broken(straight(), request);
+    let (screwed, pulled) = (shared_by(&made), shared_if_moved(&made, DVec3::Y * 0.02));
+    // Between levels walls are straight, so that they do not slide on each other quite.
+    assert!(screwed < 0.1 * pulled, "{screwed} of {pulled}");
 }

@@ -2,7 +2,7 @@
 
 use super::budget::added_triangles;
 use super::notes::{notes_on_cracks, notes_up_to_the_cut};
-use super::parting::parting;
+use super::parting::Parting;
 use super::piece::{Piece, PieceRole, Pieces};
 use crate::broken::InnerWood;
 use crate::error::BreakError;
@@ -33,6 +33,8 @@ pub struct FinishOptions<'a> {
     pub fray: f64,
     /// How far the pieces are moved apart, m.
     pub separation: f64,
+    /// Whether they are moved farther where they would lie in each other.
+    pub clear: bool,
     /// The most triangles that the pieces may have beyond those of the stem, if there is a limit. Fuzz takes what they leave.
     pub most_triangles: Option<u32>,
 }
@@ -62,9 +64,11 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         }
     };
     let mut splinters = Vec::new();
+    let parting = Parting::new(stages);
     if options.fray > 0.0 {
         let halves = [&lower, &upper];
-        ([lower, upper], splinters) = frayed(stages, options, inner, halves, &mut notes)?;
+        let way = parting.way(options, halves, &DAffine3::IDENTITY).way;
+        ([lower, upper], splinters) = frayed(stages, (options, way), inner, halves, &mut notes)?;
     }
     let leans = lean(stages, &mut [&mut lower, &mut upper]);
     if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
@@ -78,7 +82,10 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
             requested: p.hang,
         });
     }
-    let moved = parting(stages, options.separation) * turn.unwrap_or_default();
+    let turn = turn.unwrap_or_default();
+    let parted = parting.way(options, [&lower, &upper], &turn);
+    notes.extend(parted.note);
+    let moved = parting.after(parted.way) * turn;
     let mut meshes = vec![
         (PieceRole::Lower, lower, DAffine3::IDENTITY),
         (PieceRole::Upper, upper, moved),
@@ -105,10 +112,10 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
 /// A mesh and how it has moved.
 type MovedMesh = (Mesh, DAffine3);
 
-/// Returns both halves with their splinters bent, and the splinters that came loose.
+/// Returns both halves with their splinters bent, and the splinters that came loose, for pieces that move apart by `way` (m).
 fn frayed(
     stages: &BreakStages,
-    options: &FinishOptions,
+    (options, way): (&FinishOptions, f64),
     inner: InnerWood,
     pieces: [&Mesh; 2],
     notes: &mut Vec<BreakNote>,
@@ -121,7 +128,7 @@ fn frayed(
         inner,
         pieces,
         amount,
-        separation: options.separation,
+        separation: way,
         seed: stages.stem.face.seed,
     }
     .fray()?;

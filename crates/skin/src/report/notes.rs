@@ -70,6 +70,18 @@ pub enum BreakNote {
         /// The angle requested, degrees.
         requested: f64,
     },
+    /// Pieces were moved apart farther than requested: on a shorter way they lie in each other.
+    PartedFarther {
+        /// The way, m.
+        way_m: f64,
+        /// The way requested, m.
+        requested_m: f64,
+    },
+    /// Pieces that were moved apart lie in each other on every way.
+    PartsOverlap {
+        /// The volume that they share near the face, m³.
+        shared_m3: f64,
+    },
     /// A piece intersected itself at the precision of files.
     SelfIntersectionsResolved {
         /// Name of the piece.
@@ -228,6 +240,17 @@ impl fmt::Display for BreakNote {
                 f,
                 "the upper piece hangs at {angle:.1}° instead of {requested:.1}°, the least angle at which it is clear of \
                  the lower one"
+            ),
+            BreakNote::PartedFarther { way_m, requested_m } => write!(
+                f,
+                "the pieces were moved apart by {:.1} cm instead of {:.1} cm, so that their splinters are clear of each other",
+                way_m * 1e2,
+                requested_m * 1e2
+            ),
+            BreakNote::PartsOverlap { shared_m3 } => write!(
+                f,
+                "the pieces lie in each other by {:.3} cm³ however far they are moved apart: parts of the input may overlap",
+                shared_m3 * 1e6
             ),
             BreakNote::SelfIntersectionsResolved {
                 piece,

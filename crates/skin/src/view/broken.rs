@@ -255,6 +255,12 @@ impl BreakView<'_> {
         scene
     }
 
+    /// The middles of the sections of both pieces of the opened break, at the location.
+    pub(super) fn piece_middles(&self) -> [DVec3; 2] {
+        let middle = self.frame().origin;
+        [middle, self.opening().transform_point3(middle)]
+    }
+
     /// Returns the map that turns the upper piece over and sets it beside the lower, so that both faces look up.
     fn opening(&self) -> DAffine3 {
         let frame = self.frame();

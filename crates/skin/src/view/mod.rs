@@ -1,7 +1,9 @@
 //! What pictures show: of a break both faces and a stub of stem behind each, of wood in pieces all but splinters.
 
 mod broken;
+mod chips;
 mod wood;
 
 pub use broken::{BreakView, Sight, long_side};
+pub use chips::FALLEN;
 pub use wood::{close_up, points_without_splinters};

@@ -1,0 +1,140 @@
+//! Chips of torn wood that lie on the floor about the opened pieces of a picture.
+
+use super::broken::BreakView;
+use glam::{DAffine3, DVec2, DVec3};
+use greenstick_geometry::{Attribute, Mesh, Node};
+use greenstick_wood::noise::unit;
+use std::f64::consts::TAU;
+
+/// Chips about each piece.
+const COUNT: i64 = 150;
+/// Least length and what the longest has more, m, on a stem of the reference radius; most are short.
+const LENGTHS: (f64, f64) = (0.8e-3, 13e-3);
+/// Radius (m) of the stem on which chips have these lengths, and the range of the factor on them on others.
+const REFERENCE_RADIUS: f64 = 0.02;
+const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
+/// Widths of slivers as a part of their length, and thicknesses as a part of their width.
+const WIDTHS: (f64, f64) = (0.035, 0.17);
+const THICKNESSES: (f64, f64) = (0.12, 0.4);
+/// Least width, m on a stem of the reference radius.
+const LEAST_WIDTH: f64 = 0.25e-3;
+/// How far from a piece's middle chips lie, in half its widths: from the piece's outside, most of them near.
+const DISTANCES: (f64, f64) = (1.02, 1.7);
+/// How much of the length a chip is bowed up at its ends.
+const BOW: f64 = 0.06;
+/// How far from the pith the wood of chips grew, radii: that of bark is dark.
+const OUTERMOST: f64 = 0.85;
+/// Parts of the length at which a chip has a section, and its width there: both ends are torn.
+const SECTIONS: [(f64, f64); 4] = [(0.0, 0.55), (0.3, 0.95), (0.72, 1.0), (1.0, 0.3)];
+/// In the hash: what random numbers are drawn for.
+const PURPOSE: u64 = 0xc419;
+
+/// Attribute of wood that lies about: the directions of its grain are not those of the stem where it lies.
+pub const FALLEN: &str = "_FALLEN";
+
+impl BreakView<'_> {
+    /// Returns chips of the wood inside that lie about both pieces of an opened break on the floor through the lowest of the points that
+    /// the picture shows.
+    pub fn chips(&self, shown: &[DVec3], up: DVec3) -> Node {
+        let level = shown
+            .iter()
+            .map(|p| p.dot(up))
+            .fold(f64::INFINITY, f64::min);
+        let mut fallen = Fallen {
+            view: self,
+            up,
+            right: up.any_orthonormal_vector(),
+            mesh: Mesh::default(),
+            grain: Vec::new(),
+        };
+        let on_floor = |middle: DVec3| middle + up * (level - middle.dot(up));
+        let middles = self.piece_middles().map(on_floor);
+        for (piece, other) in [(0, 1), (1, 0)] {
+            for number in 0..COUNT {
+                let random = |k: i64| unit(PURPOSE, piece as i64, number, k);
+                fallen.add([middles[piece], middles[other]], random);
+            }
+        }
+        Node::new("chips", DAffine3::IDENTITY, fallen.finish())
+    }
+}
+
+/// Chips on a floor.
+struct Fallen<'a> {
+    view: &'a BreakView<'a>,
+    up: DVec3,
+    /// A direction along the floor.
+    right: DVec3,
+    mesh: Mesh,
+    grain: Vec<f32>,
+}
+
+impl Fallen<'_> {
+    /// Adds a chip beside a piece whose middle on the floor is given, and that of the other piece, in which none lies.
+    fn add(&mut self, [middle, other]: [DVec3; 2], random: impl Fn(i64) -> f64) {
+        let radius = self.view.stem.radius;
+        let size = (radius / REFERENCE_RADIUS).sqrt();
+        let size = size.clamp(SIZE_RANGE.0, SIZE_RANGE.1);
+        let between = |(low, high): (f64, f64), part: f64| low + (high - low) * part;
+        let far = random(0) * random(0) * random(20);
+        let distance = between(DISTANCES, far) * 0.5 * self.view.width;
+        let place = middle + self.direction(TAU * random(1)) * distance;
+        if place.distance(other) < DISTANCES.0 * 0.5 * self.view.width {
+            return;
+        }
+        let long = random(2) * random(2) * random(3);
+        let length = size * (LENGTHS.0 + LENGTHS.1 * long);
+        let width =
+            (length * between(WIDTHS, random(4))).max(size * LEAST_WIDTH * (0.5 + random(5)));
+        let thickness = width * between(THICKNESSES, random(6));
+        let turn = TAU * random(7);
+        let (along, beside) = (self.direction(turn), self.direction(turn + 0.25 * TAU));
+        // The wood that it was.
+        let (sin, cos) = libm::sincos(TAU * random(8));
+        let grown = DVec2::new(cos, sin) * (OUTERMOST * radius * random(9).sqrt());
+        let grown = grown.extend(self.view.stem.location + 0.5 * length * (random(10) - 0.5));
+        let first = self.mesh.positions.len() as u32;
+        for (part, swell) in SECTIONS {
+            let off_middle = 2.0 * part - 1.0;
+            let height = BOW * length * off_middle * off_middle * random(11);
+            // Neither edge is straight.
+            let aside = 0.3 * width * (random(12 + (part * 4.0) as i64) - 0.5);
+            for (side, above) in [(-0.5, 0.0), (0.5, 0.0), (0.4, 1.0), (-0.4, 1.0)] {
+                let across = side * width * swell + aside;
+                let raised = height + above * thickness * swell.max(0.4);
+                (self.mesh.positions).push(
+                    place + along * (length * (part - 0.5)) + beside * across + self.up * raised,
+                );
+                let at = grown + DVec3::new(across, above * thickness, length * part);
+                self.grain.extend(at.as_vec3().to_array());
+            }
+        }
+        let corner = |section: usize, side: usize| first + (4 * section + side % 4) as u32;
+        let last = SECTIONS.len() - 1;
+        let ends = [[0, 1, 2], [0, 2, 3]];
+        (self.mesh.triangles).extend(ends.map(|[a, b, c]| [a, c, b].map(|k| corner(0, k))));
+        (self.mesh.triangles).extend(ends.map(|t| t.map(|k| corner(last, k))));
+        for section in 0..last {
+            for side in 0..4 {
+                let [a, b] = [corner(section, side), corner(section, side + 1)];
+                let [c, d] = [corner(section + 1, side), corner(section + 1, side + 1)];
+                self.mesh.triangles.extend([[a, b, d], [a, d, c]]);
+            }
+        }
+    }
+
+    /// The direction along the floor at an angle, rad.
+    fn direction(&self, angle: f64) -> DVec3 {
+        let (sin, cos) = libm::sincos(angle);
+        self.right * cos + self.up.cross(self.right) * sin
+    }
+
+    fn finish(self) -> Mesh {
+        let (mut mesh, count) = (self.mesh, self.grain.len() / 3);
+        mesh.materials = vec![self.view.material; mesh.triangles.len()];
+        for (name, width, data) in [("_GRAIN", 3, self.grain), (FALLEN, 1, vec![1.0; count])] {
+            (mesh.attributes).insert(name.to_owned(), Attribute { width, data });
+        }
+        mesh
+    }
+}
