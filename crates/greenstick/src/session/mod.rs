@@ -18,8 +18,8 @@ use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::{Context, ErrorKind, Scene};
 use greenstick_skin::cracks::EndOfStem;
 use greenstick_skin::finish::{
-    AssembledBreaks, BreakInput, FinishOptions, FinishedBreak, added_triangles, assemble,
-    break_notes, break_report, finish, left_at_base, within_budget,
+    AssembledBreaks, BreakInput, FinishOptions, FinishedBreak, Separation, added_triangles,
+    assemble, break_notes, break_report, finish, left_at_base, within_budget,
 };
 pub use greenstick_skin::finish::{BrokenWood, NodeRole, Piece, PieceRole, Pieces};
 use greenstick_skin::materials::{self, BakedWood, TextureKey};
@@ -263,8 +263,7 @@ impl BreakSession {
                         face,
                         asked,
                         fray: requested.fray,
-                        separation: requested.separation,
-                        clear: requested.part_clear,
+                        separation: Separation::new(requested.separation, requested.part_clear),
                         most_triangles: requested.triangles,
                     };
                     finish(&stages, &options)

@@ -13,6 +13,7 @@ mod scene;
 pub use broken_wood::BrokenWood;
 pub use budget::{added_triangles, within_budget};
 pub use finished_break::FinishedBreak;
+pub use parting::Separation;
 pub use piece::{Piece, PieceRole, Pieces};
 pub use pieces::{FinishOptions, finish};
 pub use report::{BreakInput, break_notes, break_report};

@@ -1,7 +1,6 @@
 //! Moving the pieces of a break apart, as one would pull them: along the grain while their splinters lie between each other,
 //! then straight on, until neither lies in the other.
 
-use super::pieces::FinishOptions;
 use crate::report::BreakNote;
 use crate::stages::BreakStages;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
@@ -85,6 +84,22 @@ impl Twist {
     }
 }
 
+/// How far the pieces of a break are to be moved apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Separation {
+    /// The way, m.
+    pub way: f64,
+    /// Whether they are moved farther where they would lie in each other.
+    pub until_clear: bool,
+}
+
+impl Separation {
+    /// A way (m) and whether pieces are moved farther where they would lie in each other.
+    pub fn new(way: f64, until_clear: bool) -> Self {
+        Separation { way, until_clear }
+    }
+}
+
 /// The way of the upper piece.
 pub(super) struct Parting<'a> {
     stages: &'a BreakStages,
@@ -143,9 +158,10 @@ impl<'a> Parting<'a> {
 
     /// Returns the way of a break: that which is requested or, if they are to be clear, the shortest beyond it on which the pieces do
     /// not lie in each other. `turn` is the motion of the upper one before.
-    pub fn way(&self, options: &FinishOptions, pieces: [&Mesh; 2], turn: &DAffine3) -> Parted {
-        let asked = options.separation;
-        if !options.clear || asked == 0.0 {
+    pub fn way(&self, asked: Separation, pieces: [&Mesh; 2], turn: &DAffine3) -> Parted {
+        let until_clear = asked.until_clear;
+        let asked = asked.way;
+        if !until_clear || asked == 0.0 {
             return Parted {
                 way: asked,
                 note: None,

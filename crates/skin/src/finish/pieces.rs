@@ -2,7 +2,7 @@
 
 use super::budget::added_triangles;
 use super::notes::{notes_on_cracks, notes_up_to_the_cut};
-use super::parting::Parting;
+use super::parting::{Parting, Separation};
 use super::piece::{Piece, PieceRole, Pieces};
 use crate::broken::InnerWood;
 use crate::error::BreakError;
@@ -31,10 +31,8 @@ pub struct FinishOptions<'a> {
     pub asked: &'a BreakParameters,
     /// How much thorns are bent and torn loose, from 0 (not at all) to 1.
     pub fray: f64,
-    /// How far the pieces are moved apart, m.
-    pub separation: f64,
-    /// Whether they are moved farther where they would lie in each other.
-    pub clear: bool,
+    /// How far the pieces are moved apart.
+    pub separation: Separation,
     /// The most triangles that the pieces may have beyond those of the stem, if there is a limit. Fuzz takes what they leave.
     pub most_triangles: Option<u32>,
 }
@@ -67,7 +65,9 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     let parting = Parting::new(stages);
     if options.fray > 0.0 {
         let halves = [&lower, &upper];
-        let way = parting.way(options, halves, &DAffine3::IDENTITY).way;
+        let way = parting
+            .way(options.separation, halves, &DAffine3::IDENTITY)
+            .way;
         ([lower, upper], splinters) = frayed(stages, (options, way), inner, halves, &mut notes)?;
     }
     let leans = lean(stages, &mut [&mut lower, &mut upper]);
@@ -83,7 +83,7 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         });
     }
     let turn = turn.unwrap_or_default();
-    let parted = parting.way(options, [&lower, &upper], &turn);
+    let parted = parting.way(options.separation, [&lower, &upper], &turn);
     notes.extend(parted.note);
     let moved = parting.after(parted.way) * turn;
     let mut meshes = vec![

@@ -241,17 +241,8 @@ impl fmt::Display for BreakNote {
                 "the upper piece hangs at {angle:.1}° instead of {requested:.1}°, the least angle at which it is clear of \
                  the lower one"
             ),
-            BreakNote::PartedFarther { way_m, requested_m } => write!(
-                f,
-                "the pieces were moved apart by {:.1} cm instead of {:.1} cm, so that their splinters are clear of each other",
-                way_m * 1e2,
-                requested_m * 1e2
-            ),
-            BreakNote::PartsOverlap { shared_m3 } => write!(
-                f,
-                "the pieces lie in each other by {:.3} cm³ however far they are moved apart: parts of the input may overlap",
-                shared_m3 * 1e6
-            ),
+            BreakNote::PartedFarther { way_m, requested_m } => parted(f, *way_m, *requested_m),
+            BreakNote::PartsOverlap { shared_m3 } => overlap(f, *shared_m3),
             BreakNote::SelfIntersectionsResolved {
                 piece,
                 collapsed,
@@ -311,6 +302,23 @@ fn on_cracks(f: &mut fmt::Formatter<'_>, note: &BreakNote) -> fmt::Result {
         ),
         _ => Ok(()),
     }
+}
+
+fn parted(f: &mut fmt::Formatter<'_>, way: f64, requested: f64) -> fmt::Result {
+    write!(
+        f,
+        "the pieces were moved apart by {:.1} cm instead of {:.1} cm, so that their splinters are clear of each other",
+        way * 1e2,
+        requested * 1e2
+    )
+}
+
+fn overlap(f: &mut fmt::Formatter<'_>, shared: f64) -> fmt::Result {
+    write!(
+        f,
+        "the pieces lie in each other by {:.3} cm³ however far they are moved apart: parts of the input may overlap",
+        shared * 1e6
+    )
 }
 
 fn spiral(f: &mut fmt::Formatter<'_>, repair: &SpiralRepair, longest_m: f64) -> fmt::Result {
