@@ -1,9 +1,11 @@
 //! What a run looks like: the skin of a frame, and films.
 
-use crate::convert::report;
+use crate::convert::{Reduced, report};
 use crate::failure::Failure;
+use crate::pickled_run::MadeBy;
 use crate::pictures::Picture;
 use crate::scene::{Scene, encode, file_dictionary, matrix, picture_parameters};
+use crate::simulation::Run;
 use crate::values::each;
 use crate::work;
 use greenstick::files::{self, Batch, Output};
@@ -123,7 +125,13 @@ impl Recording {
     }
 
     /// Makes the skin of a frame, counted from 0 or from −1 backwards.
-    pub fn skin(&self, frame: i64, asked: &Asked, context: &Context) -> Result<Skin, Failure> {
+    pub fn skin(
+        &self,
+        frame: i64,
+        asked: &Asked,
+        made_by: MadeBy,
+        context: &Context,
+    ) -> Result<Skin, Failure> {
         let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
         let mut run = self.open(&read)?;
         let count = run.frames();
@@ -142,12 +150,13 @@ impl Recording {
         still.scene().metadata = provenance("skin", None, &run.scene).metadata();
         Ok(Skin {
             report: FilmReport::new(still.report()),
+            made_by,
             shown: Mutex::new((run, still)),
         })
     }
 
     /// Makes a film of all frames, or of those that are asked for.
-    pub fn film(&self, asked: Asked, context: &Context) -> Result<Film, Failure> {
+    pub fn film(&self, asked: Asked, made_by: MadeBy, context: &Context) -> Result<Film, Failure> {
         let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
         let mut run = self.open(&read)?;
         let frames = asked.parameters.frames.map(Into::into);
@@ -161,6 +170,7 @@ impl Recording {
                 max_joints: asked.parameters.max_joints.map(|n| n as usize),
                 max_influences: asked.parameters.influences as usize,
             },
+            made_by,
             shown: Mutex::new((run, film)),
         })
     }
@@ -185,10 +195,12 @@ impl FilmReport {
     }
 }
 
-/// The skin of one frame: its pieces as they are then, and bodies.
+/// The skin of one frame: its pieces as they are then, and bodies. It pickles as its run and what was asked, and is made again when
+/// it is unpickled.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Skin {
     report: FilmReport,
+    made_by: MadeBy,
     /// The run, and what is shown of it.
     shown: Mutex<(Opened, RunStill)>,
 }
@@ -249,12 +261,18 @@ impl Skin {
         let [first, _] = self.report.skin.time_s;
         format!("<greenstick.Skin at {first} s>")
     }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py, (Py<Run>,)> {
+        self.made_by.reduce(py)
+    }
 }
 
-/// A film: pieces that are the same in all frames, and how they move.
+/// A film: pieces that are the same in all frames, and how they move. It pickles as its run and what was asked, and is made again
+/// when it is unpickled.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Film {
     report: FilmReport,
+    made_by: MadeBy,
     glb: GlbOptions,
     /// The run, and what is shown of it.
     shown: Mutex<(Opened, RunFilm)>,
@@ -410,5 +428,9 @@ impl Film {
 
     fn __repr__(&self) -> String {
         format!("<greenstick.Film {} frames>", self.__len__())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py, (Py<Run>,)> {
+        self.made_by.reduce(py)
     }
 }

@@ -14,6 +14,7 @@ use greenstick::schema::Parameters;
 use greenstick::wood::rings::{RingsFile, SectionFile, SectionFileError};
 use greenstick::{ErrorKind, provenance};
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
 use serde_json::json;
@@ -130,6 +131,12 @@ impl Rings {
 
     fn __len__(&self) -> usize {
         self.section.rings.ring_count()
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "rings do not pickle; pickle the section and what was asked of it, or the text that json() returns",
+        ))
     }
 
     fn __repr__(&self) -> String {

@@ -189,6 +189,12 @@ impl Session {
 
 #[pymethods]
 impl Session {
+    /// A session pickles as its scene, without the stages that it keeps.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, (Option<Py<Scene>>,)> {
+        let given = slf.get().given.as_ref().map(|scene| scene.clone_ref(slf.py()));
+        Ok((slf.get_type().into_any(), (given,)))
+    }
+
     #[new]
     #[pyo3(signature = (scene=None))]
     pub fn new(scene: Option<Py<Scene>>) -> Self {

@@ -1,9 +1,10 @@
 //! Simulation: scenes that move until wood breaks, frame by frame.
 
 use crate::arrays;
-use crate::convert::{columns, report};
+use crate::convert::{Reduced, columns, report};
 use crate::failure::Failure;
 use crate::films::{Asked, Film, Recording, Skin};
+use crate::pickled_run::{MadeBy, RunParts, recording, run_parts, stored_frame};
 use crate::scene::Scene;
 use crate::values::each;
 use crate::work;
@@ -25,7 +26,7 @@ use greenstick::simulate::{
 use greenstick_sweep::input::up_axis;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
@@ -103,9 +104,20 @@ impl Frame {
         let rods = self.0.diameter.len();
         format!("<greenstick.Frame {} s, {rods} rods>", self.0.time)
     }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, (Bound<'py, PyBytes>,)> {
+        let bytes = PyBytes::new(slf.py(), &slf.get().0.to_bytes());
+        Ok((slf.get_type().getattr("_again")?, (bytes,)))
+    }
+
+    /// The frame of a pickle.
+    #[staticmethod]
+    fn _again(bytes: &[u8]) -> PyResult<Self> {
+        Ok(Frame(Arc::new(stored_frame(bytes)?)))
+    }
 }
 
-/// A run: in memory as `simulate` made it, or in a folder as the program left it.
+/// A run: in memory as `simulate` made it, or in a folder as the program left it. It pickles with all that it recorded.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Run {
     recording: Recording,
@@ -190,37 +202,43 @@ impl Run {
     /// None for those that show the run best. `field` colours the wood by "strain" or "damage".
     #[pyo3(signature = (frame=-1, settings=None, *, faces=None, field=None, progress=None, **keys))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
-    fn skin(
-        &self,
-        py: Python<'_>,
+    fn skin<'py>(
+        slf: &Bound<'py, Self>,
         frame: i64,
-        settings: Option<&Bound<'_, PyDict>>,
+        settings: Option<&Bound<'py, PyDict>>,
         faces: Option<&str>,
         field: Option<&str>,
-        progress: Option<&Bound<'_, PyAny>>,
-        keys: Option<&Bound<'_, PyDict>>,
+        progress: Option<&Bound<'py, PyAny>>,
+        keys: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Skin> {
         let asked = Asked::new(faces, field, [settings, keys])?;
-        let recording = &self.recording;
-        work::run(py, progress, |context| {
-            recording.skin(frame, &asked, context)
+        let looks = [("faces", faces), ("field", field)];
+        let settings = settings.map(|settings| settings.copy()).transpose()?;
+        let made_by = MadeBy::new(slf, "skin", (frame, settings), looks, keys)?;
+        let recording = &slf.get().recording;
+        work::run(slf.py(), progress, |context| {
+            recording.skin(frame, &asked, made_by, context)
         })
     }
 
     /// Makes a film of all frames, or of `frames="30..60"`. Arguments are those of `skin`.
     #[pyo3(signature = (settings=None, *, faces=None, field=None, progress=None, **keys))]
-    fn film(
-        &self,
-        py: Python<'_>,
-        settings: Option<&Bound<'_, PyDict>>,
+    fn film<'py>(
+        slf: &Bound<'py, Self>,
+        settings: Option<&Bound<'py, PyDict>>,
         faces: Option<&str>,
         field: Option<&str>,
-        progress: Option<&Bound<'_, PyAny>>,
-        keys: Option<&Bound<'_, PyDict>>,
+        progress: Option<&Bound<'py, PyAny>>,
+        keys: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Film> {
         let asked = Asked::new(faces, field, [settings, keys])?;
-        let recording = &self.recording;
-        work::run(py, progress, |context| recording.film(asked, context))
+        let looks = [("faces", faces), ("field", field)];
+        let settings = settings.map(|settings| settings.copy()).transpose()?;
+        let made_by = MadeBy::new(slf, "film", (settings,), looks, keys)?;
+        let recording = &slf.get().recording;
+        work::run(slf.py(), progress, |context| {
+            recording.film(asked, made_by, context)
+        })
     }
 
     fn __len__(&self) -> PyResult<usize> {
@@ -230,6 +248,30 @@ impl Run {
 
     fn __repr__(&self) -> PyResult<String> {
         Ok(format!("<greenstick.Run {} frames>", self.__len__()?))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, RunParts<'py>> {
+        let (py, run) = (slf.py(), slf.get());
+        let report = run.report.as_ref().map(|report| report.clone_ref(py));
+        let parts = run_parts(py, &run.recording, report)?;
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The run of a pickle.
+    #[staticmethod]
+    fn _again(
+        scene: &str,
+        tables: [String; 3],
+        frames: &[u8],
+        checkpoint: Option<&[u8]>,
+        input: Option<Bound<'_, Scene>>,
+        bodies: Vec<Option<Bound<'_, Scene>>>,
+        report: Option<Py<PyAny>>,
+    ) -> PyResult<Self> {
+        Ok(Run {
+            recording: recording(scene, (tables, frames, checkpoint), input, bodies)?,
+            report,
+        })
     }
 }
 
