@@ -2,11 +2,10 @@
 
 use crate::convert::{Reduced, report};
 use crate::failure::Failure;
-use crate::pickled_run::MadeBy;
 use crate::pictures::Picture;
 use crate::scene::{Scene, encode, file_dictionary, matrix, picture_parameters};
 use crate::simulation::Run;
-use crate::values::each;
+use crate::values::{dictionary, each};
 use crate::work;
 use greenstick::files::{self, Batch, Output};
 use greenstick::film::{FilmError, open_run};
@@ -52,6 +51,7 @@ impl From<ShowError> for Failure {
 }
 
 /// What is asked of a skin.
+#[derive(Clone)]
 pub struct Asked {
     faces: Option<Faces>,
     field: Option<WoodField>,
@@ -103,6 +103,19 @@ impl Asked {
         })
     }
 
+    /// What reads it again: settings, faces and field.
+    fn words<'py>(&self, py: Python<'py>) -> PyResult<Words<Bound<'py, PyDict>>> {
+        let faces = self.faces.map(|faces| match faces {
+            Faces::Drawn => "drawn".to_owned(),
+            Faces::Rods => "rods".to_owned(),
+        });
+        let field = self.field.map(|field| match field {
+            WoodField::Strain => "strain".to_owned(),
+            WoodField::Damage => "damage".to_owned(),
+        });
+        Ok((dictionary(py, self.parameters.changed())?, faces, field))
+    }
+
     fn shown(&self, seed: u64) -> ShownAs {
         ShownAs {
             faces: self.faces,
@@ -111,6 +124,9 @@ impl Asked {
         }
     }
 }
+
+/// What is asked of a skin as Python gives it: settings, faces and field.
+type Words<D> = (D, Option<String>, Option<String>);
 
 /// A run that was recorded, and the meshes that it is of.
 #[derive(Clone)]
@@ -128,8 +144,7 @@ impl Recording {
     pub fn skin(
         &self,
         frame: i64,
-        asked: &Asked,
-        made_by: MadeBy,
+        (run_object, asked): (Py<Run>, Asked),
         context: &Context,
     ) -> Result<Skin, Failure> {
         let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
@@ -150,13 +165,18 @@ impl Recording {
         still.scene().metadata = provenance("skin", None, &run.scene).metadata();
         Ok(Skin {
             report: FilmReport::new(still.report()),
-            made_by,
+            of: (run_object, number),
+            asked,
             shown: Mutex::new((run, still)),
         })
     }
 
     /// Makes a film of all frames, or of those that are asked for.
-    pub fn film(&self, asked: Asked, made_by: MadeBy, context: &Context) -> Result<Film, Failure> {
+    pub fn film(
+        &self,
+        (run_object, asked): (Py<Run>, Asked),
+        context: &Context,
+    ) -> Result<Film, Failure> {
         let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
         let mut run = self.open(&read)?;
         let frames = asked.parameters.frames.map(Into::into);
@@ -170,7 +190,8 @@ impl Recording {
                 max_joints: asked.parameters.max_joints.map(|n| n as usize),
                 max_influences: asked.parameters.influences as usize,
             },
-            made_by,
+            of: run_object,
+            asked,
             shown: Mutex::new((run, film)),
         })
     }
@@ -200,7 +221,9 @@ impl FilmReport {
 #[pyclass(module = "greenstick", frozen)]
 pub struct Skin {
     report: FilmReport,
-    made_by: MadeBy,
+    /// Its run, and the frame.
+    of: (Py<Run>, usize),
+    asked: Asked,
     /// The run, and what is shown of it.
     shown: Mutex<(Opened, RunStill)>,
 }
@@ -262,8 +285,20 @@ impl Skin {
         format!("<greenstick.Skin at {first} s>")
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py, (Py<Run>,)> {
-        self.made_by.reduce(py)
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> Reduced<'py, (Py<Run>, usize, Words<Bound<'py, PyDict>>)> {
+        let (py, skin) = (slf.py(), slf.get());
+        let parts = (skin.of.0.clone_ref(py), skin.of.1, skin.asked.words(py)?);
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The skin of a pickle.
+    #[staticmethod]
+    fn _again(run: &Bound<'_, Run>, frame: i64, words: Words<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let (settings, faces, field) = words;
+        let looks = (faces.as_deref(), field.as_deref());
+        Run::skin(run, frame, Some(&settings), looks.0, looks.1, None, None)
     }
 }
 
@@ -272,7 +307,9 @@ impl Skin {
 #[pyclass(module = "greenstick", frozen)]
 pub struct Film {
     report: FilmReport,
-    made_by: MadeBy,
+    /// Its run.
+    of: Py<Run>,
+    asked: Asked,
     glb: GlbOptions,
     /// The run, and what is shown of it.
     shown: Mutex<(Opened, RunFilm)>,
@@ -430,7 +467,19 @@ impl Film {
         format!("<greenstick.Film {} frames>", self.__len__())
     }
 
-    fn __reduce__<'py>(&self, py: Python<'py>) -> Reduced<'py, (Py<Run>,)> {
-        self.made_by.reduce(py)
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> Reduced<'py, (Py<Run>, Words<Bound<'py, PyDict>>)> {
+        let (py, film) = (slf.py(), slf.get());
+        let parts = (film.of.clone_ref(py), film.asked.words(py)?);
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The film of a pickle.
+    #[staticmethod]
+    fn _again(run: &Bound<'_, Run>, words: Words<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let (settings, faces, field) = words;
+        let looks = (faces.as_deref(), field.as_deref());
+        Run::film(run, Some(&settings), looks.0, looks.1, None, None)
     }
 }

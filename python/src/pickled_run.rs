@@ -1,101 +1,110 @@
-//! Runs, and what is made of them, in pickles. A run pickles as all that was recorded, whether it is in memory or in a folder; a
-//! skin or film as its run and what was asked of it.
+//! Runs in pickles: all that was recorded, whether it is in memory or in a folder.
 
-use crate::convert::Reduced;
 use crate::failure::Failure;
 use crate::films::Recording;
+use crate::pickled::{damaged, seal, unseal};
 use crate::scene::Scene;
-use crate::simulation::Run;
 use greenstick::fibre::scene::Scene as Setting;
 use greenstick::fibre::store::{
-    Checkpoint, EnergyRow, ForceRow, Frame, IndexedFrames, Record, RunError, event_line,
-    parse_energies, parse_events, parse_forces,
+    EnergyRow, ForceRow, Frame, IndexedFrames, Record, event_line, parse_energies, parse_events,
+    parse_forces,
 };
-use greenstick::simulate::{MemoryRun, RunSink, SceneMeshes};
+use greenstick::simulate::{MemoryRun, RunError, RunSink, SceneMeshes};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyTuple};
+use pyo3::types::PyBytes;
+use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 use std::sync::Arc;
 
-/// What a pickle of a run holds: the scene and the tables as the files of a run have them, frames, the checkpoint, the mesh and
-/// those of bodies, and the report.
+/// What is pickled, in messages.
+const RUN: &str = "a run";
+const FRAME: &str = "a frame";
+/// Bytes of a checksum, which a stored frame ends with.
+const SUM: usize = 8;
+
+/// All of a run but its frames and meshes: the scene and the tables as the files of a run have them. The checkpoint is left out, as
+/// nothing in Python goes on with a run.
+#[derive(Serialize, Deserialize)]
+struct Head {
+    scene: String,
+    energies: String,
+    events: String,
+    forces: String,
+    /// The checksum of each frame.
+    frames: Vec<u64>,
+}
+
+/// What a pickle of a run holds: the head and, of a run that was simulated here, its report as JSON, both sealed; frames as
+/// `frames.gsf` has them; the mesh of the scene and those of bodies. All but the report is the same for a run in a folder.
 pub type RunParts<'py> = (
-    String,
-    [String; 3],
     Bound<'py, PyBytes>,
     Option<Bound<'py, PyBytes>>,
+    Vec<Bound<'py, PyBytes>>,
     Option<Scene>,
     Vec<Option<Scene>>,
-    Option<Py<PyAny>>,
 );
 
-/// Takes a recording apart.
+/// Takes a run apart.
 pub fn run_parts<'py>(
     py: Python<'py>,
     recording: &Recording,
-    report: Option<Py<PyAny>>,
+    report: Option<&str>,
 ) -> PyResult<RunParts<'py>> {
-    let (source, meshes) = (&recording.source, &recording.meshes);
-    let (text, tables, frames, checkpoint) = py
-        .detach(|| {
-            let text = source.scene()?.to_toml();
-            let energies = source.energies()?.iter().map(EnergyRow::line).collect();
-            let events = source.events()?.iter().map(event_line).collect();
-            let forces = source.forces()?.iter().map(ForceRow::line).collect();
-            let mut frames = Record::Frames.header();
-            for number in 0..source.frames()?.count() {
-                frames.extend(source.frame(number)?.to_bytes());
-            }
-            Ok::<_, RunError>((text, [energies, events, forces], frames, source.checkpoint()?))
-        })
-        .map_err(Failure::from)?;
-    let checkpoint = checkpoint.map(|checkpoint| checkpoint.to_bytes());
-    let checkpoint = checkpoint.transpose().map_err(damaged)?;
+    let source = &recording.source;
+    let read = || -> Result<(Head, usize), RunError> {
+        let head = Head {
+            scene: source.scene()?.to_toml(),
+            energies: source.energies()?.iter().map(EnergyRow::line).collect(),
+            events: source.events()?.iter().map(event_line).collect(),
+            forces: source.forces()?.iter().map(ForceRow::line).collect(),
+            frames: Vec::new(),
+        };
+        Ok((head, source.frames()?.count()))
+    };
+    let (mut head, count) = py.detach(read).map_err(Failure::from)?;
+    let mut frames = Vec::with_capacity(count);
+    // One after the other: a run may fill a good part of the memory.
+    for number in 0..count {
+        py.check_signals()?;
+        let frame = py.detach(|| Ok(source.frame(number)?.to_bytes()));
+        let frame = frame.map_err(|error: RunError| Failure::from(error))?;
+        head.frames.push(sum_of(&frame));
+        frames.push(PyBytes::new(py, &frame));
+    }
+    let head = postcard::to_stdvec(&head)
+        .map_err(|e| Failure::value(format!("the run cannot be pickled: {e}")))?;
     let scene = |meshes: &Option<_>| Some(Scene::new(Clone::clone(meshes.as_ref()?), None));
     Ok((
-        text,
-        tables,
-        PyBytes::new(py, &frames),
-        checkpoint.map(|bytes| PyBytes::new(py, &bytes)),
-        scene(&meshes.input),
-        meshes.bodies.iter().map(scene).collect(),
-        report,
+        PyBytes::new(py, &seal(&head)),
+        report.map(|text| PyBytes::new(py, &seal(text.as_bytes()))),
+        frames,
+        scene(&recording.meshes.input),
+        recording.meshes.bodies.iter().map(scene).collect(),
     ))
 }
 
-/// What parts of a pickle become: the tables, and bytes of frames and of the checkpoint.
-pub type Recorded<'a> = ([String; 3], &'a [u8], Option<&'a [u8]>);
-
-/// Puts a recording together again.
-pub fn recording(
-    text: &str,
-    (tables, frames, checkpoint): Recorded,
+/// Puts a run together again.
+pub fn run_again(
+    head: &[u8],
+    frames: &[Bound<'_, PyBytes>],
     input: Option<Bound<'_, Scene>>,
     bodies: Vec<Option<Bound<'_, Scene>>>,
-) -> Result<Recording, Failure> {
+) -> PyResult<Recording> {
+    let head: Head =
+        postcard::from_bytes(unseal(RUN, head)?).map_err(|problem| damaged(RUN, problem))?;
+    if frames.len() != head.frames.len() {
+        let (found, expected) = (frames.len(), head.frames.len());
+        return Err(damaged(RUN, format!("it has {found} frames, not {expected}")).into());
+    }
     let mut run = MemoryRun::new();
-    run.begin(&Setting::read(text).map_err(damaged)?)?;
-    // Readers skip the heading of a table.
-    let table = |record: Record, lines: &str| {
-        let header = record.header();
-        String::from_utf8_lossy(&header).into_owned() + lines
-    };
-    for row in parse_energies(&table(Record::Energies, &tables[0])) {
-        run.energy(&row)?;
-    }
-    for event in parse_events(&table(Record::Events, &tables[1])) {
-        run.event(&event)?;
-    }
-    for row in parse_forces(&table(Record::Forces, &tables[2])) {
-        run.force(&row)?;
-    }
-    let mut stored = IndexedFrames::open(Cursor::new(frames)).map_err(damaged)?;
-    for number in 0..stored.count() {
-        let frame: Option<Frame> = stored.read(number).map_err(damaged)?;
-        frame.map_or(Ok(()), |frame| run.frame(frame))?;
-    }
-    if let Some(bytes) = checkpoint {
-        run.save(Checkpoint::from_bytes(bytes).map_err(damaged)?)?;
+    fill(&mut run, &head).map_err(|problem| damaged(RUN, problem))?;
+    for (number, (stored, sum)) in frames.iter().zip(&head.frames).enumerate() {
+        let stored = stored.as_bytes();
+        if sum_of(stored) != *sum {
+            return Err(damaged(RUN, format!("frame {number} is another one")).into());
+        }
+        run.frame(stored_frame(stored).map_err(|problem| damaged(RUN, problem))?)
+            .map_err(Failure::from)?;
     }
     let meshes = |scene: Bound<'_, Scene>| (*scene.get().scene).clone();
     Ok(Recording {
@@ -107,57 +116,53 @@ pub fn recording(
     })
 }
 
-/// Reads the only frame of a pickle.
-pub fn stored_frame(bytes: &[u8]) -> Result<Frame, Failure> {
+/// The report of a run as JSON.
+pub fn report_again(sealed: &[u8]) -> Result<String, Failure> {
+    let text =
+        std::str::from_utf8(unseal(RUN, sealed)?).map_err(|problem| damaged(RUN, problem))?;
+    Ok(text.to_owned())
+}
+
+/// Puts the scene and the tables into a run.
+fn fill(run: &mut MemoryRun, head: &Head) -> Result<(), Box<dyn std::error::Error>> {
+    run.begin(&Setting::read(&head.scene)?)?;
+    // Readers find columns by the heading of a table.
+    let table = |record: Record, lines: &str| {
+        String::from_utf8_lossy(&record.header()).into_owned() + lines
+    };
+    for row in parse_energies(&table(Record::Energies, &head.energies)) {
+        run.energy(&row)?;
+    }
+    for event in parse_events(&table(Record::Events, &head.events)) {
+        run.event(&event)?;
+    }
+    for row in parse_forces(&table(Record::Forces, &head.forces)) {
+        run.force(&row)?;
+    }
+    Ok(())
+}
+
+/// The bytes of a frame by itself.
+pub fn frame_bytes(frame: &Frame) -> Vec<u8> {
+    seal(&frame.to_bytes())
+}
+
+/// The frame of such bytes.
+pub fn frame_again(sealed: &[u8]) -> Result<Frame, Failure> {
+    stored_frame(unseal(FRAME, sealed)?).map_err(|problem| damaged(FRAME, problem))
+}
+
+/// Reads a frame as `frames.gsf` has it.
+fn stored_frame(bytes: &[u8]) -> Result<Frame, String> {
     let store = [&Record::Frames.header()[..], bytes].concat();
-    let mut stored = IndexedFrames::open(Cursor::new(store)).map_err(damaged)?;
-    let frame = stored.read(0).map_err(damaged)?;
-    frame.ok_or_else(|| damaged("there is no frame in it"))
+    let mut stored = IndexedFrames::open(Cursor::new(store)).map_err(|e| e.to_string())?;
+    let frame = stored.read(0).map_err(|e| e.to_string())?;
+    frame.ok_or_else(|| "a frame is not whole".to_owned())
 }
 
-fn damaged(error: impl std::fmt::Display) -> Failure {
-    Failure::value(format!(
-        "the pickle of the run is of another version of greenstick, or damaged: {error}"
-    ))
-}
-
-/// The call of a method of a run that made a skin or film.
-pub struct MadeBy {
-    run: Py<Run>,
-    /// An `operator.methodcaller`.
-    call: Py<PyAny>,
-}
-
-impl MadeBy {
-    /// The call of `method` with its arguments; `keys` are those that it was given by name.
-    pub fn new<'py>(
-        run: &Bound<'py, Run>,
-        method: &str,
-        arguments: impl IntoPyObject<'py, Target = PyTuple, Output = Bound<'py, PyTuple>, Error = PyErr>,
-        looks: [(&str, Option<&str>); 2],
-        keys: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Self> {
-        let py = run.py();
-        let named = match keys {
-            Some(keys) => keys.copy()?,
-            None => PyDict::new(py),
-        };
-        for (name, value) in looks {
-            named.set_item(name, value)?;
-        }
-        let given = arguments.into_pyobject(py)?;
-        let method = PyTuple::new(py, [method])?.add(given)?;
-        let caller = py.import("operator")?.getattr("methodcaller")?;
-        let call = caller.call(method.cast::<PyTuple>()?, Some(&named))?;
-        Ok(MadeBy {
-            run: run.clone().unbind(),
-            call: call.unbind(),
-        })
-    }
-
-    /// What `__reduce__` returns for what it made.
-    pub fn reduce<'py>(&self, py: Python<'py>) -> Reduced<'py, (Py<Run>,)> {
-        let call = self.call.clone_ref(py).into_bound(py);
-        Ok((call, (self.run.clone_ref(py),)))
-    }
+/// The checksum that a stored frame ends with.
+fn sum_of(frame: &[u8]) -> u64 {
+    frame
+        .last_chunk::<SUM>()
+        .map_or(0, |sum| u64::from_le_bytes(*sum))
 }

@@ -1,10 +1,10 @@
 //! Annual rings of a section.
 
 use crate::arrays::{self, Expected};
-use crate::convert::{points, report};
+use crate::convert::{Reduced, points, report};
 use crate::failure::Failure;
 use crate::pictures::Picture;
-use crate::values::each;
+use crate::values::{dictionary, each};
 use crate::work;
 use greenstick::SectionRingSettings;
 use greenstick::files::{self, Output, read_photograph};
@@ -14,7 +14,6 @@ use greenstick::schema::Parameters;
 use greenstick::wood::rings::{RingsFile, SectionFile, SectionFileError};
 use greenstick::{ErrorKind, provenance};
 use numpy::{PyArray1, PyArray2};
-use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyString};
 use serde_json::json;
@@ -30,10 +29,12 @@ impl From<SectionFileError> for Failure {
     }
 }
 
-/// The annual rings of a section, in the units and axes of its file.
+/// The annual rings of a section, in the units and axes of its file. They pickle as the section and what was asked, and are made
+/// again when they are unpickled.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Rings {
     section: RingsFile,
+    source: Source,
     settings: SectionRingSettings,
     provenance: Provenance,
     /// Where the stem began to be eccentric, as a share of its radius: fitted or given; None for that of an average tree.
@@ -133,10 +134,18 @@ impl Rings {
         self.section.rings.ring_count()
     }
 
-    fn __reduce__(&self) -> PyResult<()> {
-        Err(PyTypeError::new_err(
-            "rings do not pickle; pickle the section and what was asked of it, or the text that json() returns",
-        ))
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, (Source, Bound<'py, PyDict>)> {
+        let rings = slf.get();
+        let settings = dictionary(slf.py(), rings.settings.changed())?;
+        let again = slf.get_type().getattr("_again")?;
+        Ok((again, (rings.source.clone(), settings)))
+    }
+
+    /// The rings of a pickle.
+    #[staticmethod]
+    fn _again(py: Python<'_>, source: Source, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let asked = settings_of([Some(settings), None])?;
+        make_rings(py, source, asked, None)
     }
 
     fn __repr__(&self) -> String {
@@ -159,22 +168,41 @@ pub fn rings(
     progress: Option<&Bound<'_, PyAny>>,
     keys: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Rings> {
-    let mut asked = SectionRingSettings::default();
-    each([settings, keys], |key, value| Ok(asked.set(key, value)?))?;
-    asked.check().map_err(Failure::from)?;
+    let asked = settings_of([settings, keys])?;
     let (text, name) = section_text(section)?;
+    make_rings(py, (text, name, fit), asked, progress)
+}
+
+/// The text of a section, the file that it was read from, and whether the rings are fitted to those that it has.
+type Source = (String, Option<PathBuf>, bool);
+
+/// Reads what is asked of rings.
+fn settings_of(dictionaries: [Option<&Bound<'_, PyDict>>; 2]) -> PyResult<SectionRingSettings> {
+    let mut asked = SectionRingSettings::default();
+    each(dictionaries, |key, value| Ok(asked.set(key, value)?))?;
+    asked.check().map_err(Failure::from)?;
+    Ok(asked)
+}
+
+fn make_rings(
+    py: Python<'_>,
+    source: Source,
+    asked: SectionRingSettings,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Rings> {
+    let (text, name, fit) = &source;
     let about = |error: SectionFileError| -> Failure {
         let failure = Failure::from(error);
-        match &name {
+        match name {
             Some(path) => failure.about(path),
             None => failure,
         }
     };
     let (method, pith) = (asked.method(), asked.pith_point().map(Into::into));
     let make = |context: &Context| -> Result<_, SectionFileError> {
-        let file = SectionFile::parse(&text)?;
+        let file = SectionFile::parse(text)?;
         let units = file.units().to_owned();
-        let onset = match (asked.eccentricity_onset, fit) {
+        let onset = match (asked.eccentricity_onset, *fit) {
             (None, true) => Some(file.fit_eccentricity_onset(pith, context)?),
             (given, _) => given,
         };
@@ -188,6 +216,7 @@ pub fn rings(
     Ok(Rings {
         section,
         provenance: provenance("rings", input.as_deref(), &asked),
+        source,
         settings: asked,
         eccentricity_onset,
         units,

@@ -1,10 +1,11 @@
 //! Simulation: scenes that move until wood breaks, frame by frame.
 
 use crate::arrays;
-use crate::convert::{Reduced, columns, report};
+use crate::convert::{Reduced, columns, json, report};
 use crate::failure::Failure;
 use crate::films::{Asked, Film, Recording, Skin};
-use crate::pickled_run::{MadeBy, RunParts, recording, run_parts, stored_frame};
+use crate::pickled::damaged;
+use crate::pickled_run::{RunParts, frame_again, frame_bytes, report_again, run_again, run_parts};
 use crate::scene::Scene;
 use crate::values::each;
 use crate::work;
@@ -106,14 +107,14 @@ impl Frame {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, (Bound<'py, PyBytes>,)> {
-        let bytes = PyBytes::new(slf.py(), &slf.get().0.to_bytes());
+        let bytes = PyBytes::new(slf.py(), &frame_bytes(&slf.get().0));
         Ok((slf.get_type().getattr("_again")?, (bytes,)))
     }
 
     /// The frame of a pickle.
     #[staticmethod]
     fn _again(bytes: &[u8]) -> PyResult<Self> {
-        Ok(Frame(Arc::new(stored_frame(bytes)?)))
+        Ok(Frame(Arc::new(frame_again(bytes)?)))
     }
 }
 
@@ -124,6 +125,8 @@ pub struct Run {
     /// The report as the program prints it with `--json`; None of a run that was read from a folder.
     #[pyo3(get)]
     report: Option<Py<PyAny>>,
+    /// The same as JSON.
+    report_text: Option<String>,
 }
 
 #[pymethods]
@@ -155,10 +158,7 @@ impl Run {
                 meshes: SceneMeshes { input, bodies },
             })
         })?;
-        Ok(Run {
-            recording,
-            report: None,
-        })
+        Run::new(py, recording, None)
     }
 
     /// Times of the frames, s.
@@ -202,7 +202,7 @@ impl Run {
     /// None for those that show the run best. `field` colours the wood by "strain" or "damage".
     #[pyo3(signature = (frame=-1, settings=None, *, faces=None, field=None, progress=None, **keys))]
     #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
-    fn skin<'py>(
+    pub fn skin<'py>(
         slf: &Bound<'py, Self>,
         frame: i64,
         settings: Option<&Bound<'py, PyDict>>,
@@ -212,18 +212,15 @@ impl Run {
         keys: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Skin> {
         let asked = Asked::new(faces, field, [settings, keys])?;
-        let looks = [("faces", faces), ("field", field)];
-        let settings = settings.map(|settings| settings.copy()).transpose()?;
-        let made_by = MadeBy::new(slf, "skin", (frame, settings), looks, keys)?;
-        let recording = &slf.get().recording;
+        let (recording, run) = (&slf.get().recording, slf.clone().unbind());
         work::run(slf.py(), progress, |context| {
-            recording.skin(frame, &asked, made_by, context)
+            recording.skin(frame, (run, asked), context)
         })
     }
 
     /// Makes a film of all frames, or of `frames="30..60"`. Arguments are those of `skin`.
     #[pyo3(signature = (settings=None, *, faces=None, field=None, progress=None, **keys))]
-    fn film<'py>(
+    pub fn film<'py>(
         slf: &Bound<'py, Self>,
         settings: Option<&Bound<'py, PyDict>>,
         faces: Option<&str>,
@@ -232,12 +229,9 @@ impl Run {
         keys: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Film> {
         let asked = Asked::new(faces, field, [settings, keys])?;
-        let looks = [("faces", faces), ("field", field)];
-        let settings = settings.map(|settings| settings.copy()).transpose()?;
-        let made_by = MadeBy::new(slf, "film", (settings,), looks, keys)?;
-        let recording = &slf.get().recording;
+        let (recording, run) = (&slf.get().recording, slf.clone().unbind());
         work::run(slf.py(), progress, |context| {
-            recording.film(asked, made_by, context)
+            recording.film((run, asked), context)
         })
     }
 
@@ -251,26 +245,36 @@ impl Run {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, RunParts<'py>> {
-        let (py, run) = (slf.py(), slf.get());
-        let report = run.report.as_ref().map(|report| report.clone_ref(py));
-        let parts = run_parts(py, &run.recording, report)?;
+        let run = slf.get();
+        let parts = run_parts(slf.py(), &run.recording, run.report_text.as_deref())?;
         Ok((slf.get_type().getattr("_again")?, parts))
     }
 
     /// The run of a pickle.
     #[staticmethod]
     fn _again(
-        scene: &str,
-        tables: [String; 3],
-        frames: &[u8],
-        checkpoint: Option<&[u8]>,
+        py: Python<'_>,
+        head: &[u8],
+        report: Option<&[u8]>,
+        frames: Vec<Bound<'_, PyBytes>>,
         input: Option<Bound<'_, Scene>>,
         bodies: Vec<Option<Bound<'_, Scene>>>,
-        report: Option<Py<PyAny>>,
     ) -> PyResult<Self> {
+        let report = report.map(report_again).transpose()?;
+        Run::new(py, run_again(head, &frames, input, bodies)?, report)
+    }
+}
+
+impl Run {
+    fn new(py: Python<'_>, recording: Recording, report_text: Option<String>) -> PyResult<Self> {
+        let report = report_text.as_deref().map(|text| {
+            let value = serde_json::from_str(text).map_err(|e| damaged("a run", e))?;
+            Ok::<_, PyErr>(json(py, &value)?.unbind())
+        });
         Ok(Run {
-            recording: recording(scene, (tables, frames, checkpoint), input, bodies)?,
-            report,
+            recording,
+            report: report.transpose()?,
+            report_text,
         })
     }
 }
@@ -445,11 +449,10 @@ pub fn simulate(
             None => Ok(()),
         },
     )?;
-    Ok(Run {
-        recording: Recording {
-            source: Arc::new(run),
-            meshes: request.meshes,
-        },
-        report: Some(report(py, &found)?.unbind()),
-    })
+    let recording = Recording {
+        source: Arc::new(run),
+        meshes: request.meshes,
+    };
+    let report = serde_json::to_string(&found).map_err(Failure::report)?;
+    Run::new(py, recording, Some(report))
 }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import subprocess
 from pathlib import Path
 from typing import Literal
@@ -68,28 +67,6 @@ def test_stills_and_films_are_those_of_the_program(
         (tmp_path / "ours").mkdir(exist_ok=True)
         assert film.write(tmp_path / "ours" / name)[0] == tmp_path / "ours" / name
         assert (tmp_path / "ours" / name).read_bytes() == theirs
-
-
-def test_runs_and_what_is_made_of_them_pickle(folder: Path, run: Run) -> None:
-    for made in (run, Run.read(folder)):
-        again = pickle.loads(pickle.dumps(made))
-        assert again.times == run.times and again.events == run.events and again.report == made.report
-        for ours, theirs in ((again.energies, run.energies), (again.forces, run.forces)):
-            assert ours.keys() == theirs.keys()
-            assert all(np.array_equal(ours[name], theirs[name]) for name in ours)
-        for number in range(len(run)):
-            assert np.array_equal(again.frame(number).positions, run.frame(number).positions)
-        # A pickle of what was unpickled is the same: nothing is lost or rounded on the way.
-        assert pickle.dumps(again) == pickle.dumps(pickle.loads(pickle.dumps(again)))
-    frame = run.frame(1)
-    same = pickle.loads(pickle.dumps(frame))
-    assert (same.time, same.step) == (frame.time, frame.step) and np.array_equal(same.bonds, frame.bonds)
-    settings = {"texture_size": 16}
-    still = run.skin(-1, settings, faces="rods", field="damage")
-    film = run.film(settings, frames="1..3", no_bodies=True)
-    settings["texture_size"] = 32
-    assert pickle.loads(pickle.dumps(still)).encode("still.glb") == still.encode("still.glb")
-    assert pickle.loads(pickle.dumps(film)).encode("film.glb") == film.encode("film.glb")
 
 
 def test_a_film_moves_its_pieces(run: Run) -> None:
