@@ -201,7 +201,6 @@ impl Run {
     /// Keys are those of the program's `skin`: `texture_size=512`, `no_bodies=True`, `slabs=0.4`. `faces` is "drawn", "rods" or
     /// None for those that show the run best. `field` colours the wood by "strain" or "damage".
     #[pyo3(signature = (frame=-1, settings=None, *, faces=None, field=None, progress=None, **keys))]
-    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
     pub fn skin<'py>(
         slf: &Bound<'py, Self>,
         frame: i64,
