@@ -1,8 +1,9 @@
 """What a Ray cluster adds to a sweep: `python .ci/ray_overhead.py --cores 2 --tasks 40`, in an environment with greenstick and Ray.
 
-The same parts of a sweep are made by threads of this process and by tasks of a cluster on this machine with as many cores, in turns.
-A part has as many variants as take `--seconds` on one core. Printed are the seconds of each round, and of the medians how much longer
-the cluster takes. Starting the cluster and the first tasks of each of its processes, which import the library, are not counted: a
+The same variants are made in turns by tasks of a cluster on this machine, by as many threads of this process in the same parts, and by
+as many threads as one sweep without parts. A part has as many variants as take `--seconds` on one core. Printed are the seconds of each
+round, and of the medians how much longer the cluster takes than either: than the parts, what Ray adds; than one sweep, what parts add,
+too. Starting the cluster and the first tasks of each of its processes, which import the library, are not counted: a
 sweep has them once. The machine should have nothing else to do; its load is printed."""
 
 import argparse
@@ -42,6 +43,13 @@ def on_threads(variants: int, tasks: int, cores: int, folder: Path) -> float:
     return time.monotonic() - start
 
 
+def as_one(variants: int, cores: int, folder: Path) -> float:
+    """Seconds that one sweep without parts takes."""
+    start = time.monotonic()
+    greenstick.sweep(description(variants, FIRST_SEED), folder, threads=cores)
+    return time.monotonic() - start
+
+
 def on_cluster(variants: int, tasks: int, folder: Path, seed: int = FIRST_SEED) -> float:
     """Seconds that tasks of the cluster take."""
     start = time.monotonic()
@@ -67,20 +75,22 @@ def main() -> None:
     options = parser.parse_args()
     cores, tasks = options.cores, options.tasks
     print(f"load before: {os.getloadavg()[0]:.2f} on {os.cpu_count()} cores")
-    times: dict[str, list[float]] = {"threads": [], "cluster": []}
+    times: dict[str, list[float]] = {"one sweep": [], "parts": [], "cluster": []}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         variants = tasks * variants_of_a_task(options.seconds, folder)
         ray.init(num_cpus=cores, include_dashboard=False, log_to_driver=False)
         on_cluster(4 * cores, 4 * cores, folder / "warm", seed=1)
         for number in range(options.rounds):
-            times["threads"].append(on_threads(variants, tasks, cores, folder / f"threads-{number}"))
+            times["one sweep"].append(as_one(variants, cores, folder / f"one-{number}"))
+            times["parts"].append(on_threads(variants, tasks, cores, folder / f"parts-{number}"))
             times["cluster"].append(on_cluster(variants, tasks, folder / f"cluster-{number}"))
     for name, seconds in times.items():
-        print(f"{name}  {'  '.join(f'{t:.1f} s' for t in seconds)}")
-    threads, cluster = (statistics.median(times[name]) for name in ("threads", "cluster"))
-    print(f"{tasks} tasks of {variants // tasks} variants, {threads * cores / tasks:.2f} s each")
-    print(f"the cluster takes {100 * (cluster / threads - 1):.1f} % longer")
+        print(f"{name:10} {'  '.join(f'{t:.1f} s' for t in seconds)}")
+    one, parts, cluster = (statistics.median(seconds) for seconds in times.values())
+    print(f"{tasks} tasks of {variants // tasks} variants, {parts * cores / tasks:.2f} s each")
+    print(f"the cluster takes {100 * (cluster / parts - 1):.1f} % longer than the same parts by threads")
+    print(f"the cluster takes {100 * (cluster / one - 1):.1f} % longer than one sweep by threads")
 
 
 if __name__ == "__main__":
