@@ -4,6 +4,8 @@ use crate::failure::Failure;
 use greenstick::ErrorKind;
 use greenstick::fibre::store::checksum;
 use greenstick::geometry::Mesh;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 use std::fmt::Display;
 
 /// What sealed bytes begin with. The length of the version's name (`u8`), its name, the content, and the checksum (`u64`, of all
@@ -49,6 +51,11 @@ pub fn unseal<'a>(what: &str, sealed: &'a [u8]) -> Result<&'a [u8], Failure> {
         )));
     }
     Ok(content)
+}
+
+/// A seal over nothing: for what is made again when it is unpickled, which other versions may make otherwise.
+pub fn version_seal(py: Python<'_>) -> Bound<'_, PyBytes> {
+    PyBytes::new(py, &seal(&[]))
 }
 
 /// A pickle that cannot be read.

@@ -3,6 +3,7 @@
 use crate::arrays::{self, Expected};
 use crate::convert::{Reduced, points, report};
 use crate::failure::Failure;
+use crate::pickled::{unseal, version_seal};
 use crate::pictures::Picture;
 use crate::values::{dictionary, each};
 use crate::work;
@@ -15,7 +16,7 @@ use greenstick::wood::rings::{RingsFile, SectionFile, SectionFileError};
 use greenstick::{ErrorKind, provenance};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping, PyString};
+use pyo3::types::{PyBytes, PyDict, PyMapping, PyString};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -134,16 +135,24 @@ impl Rings {
         self.section.rings.ring_count()
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, (Source, Bound<'py, PyDict>)> {
-        let rings = slf.get();
-        let settings = dictionary(slf.py(), rings.settings.changed())?;
-        let again = slf.get_type().getattr("_again")?;
-        Ok((again, (rings.source.clone(), settings)))
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> Reduced<'py, (Bound<'py, PyBytes>, Source, Bound<'py, PyDict>)> {
+        let (py, rings) = (slf.py(), slf.get());
+        let settings = dictionary(py, rings.settings.changed())?;
+        let parts = (version_seal(py), rings.source.clone(), settings);
+        Ok((slf.get_type().getattr("_again")?, parts))
     }
 
     /// The rings of a pickle.
     #[staticmethod]
-    fn _again(py: Python<'_>, source: Source, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
+    fn _again(
+        py: Python<'_>,
+        seal: &[u8],
+        source: Source,
+        settings: &Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        unseal("rings", seal)?;
         let asked = settings_of([Some(settings), None])?;
         make_rings(py, source, asked, None)
     }

@@ -180,7 +180,10 @@ def test_pickles_of_other_versions_are_refused_with_what_to_do(run: Run) -> None
         f"was made by greenstick 9.8.7-rc, and this is {greenstick.__version__}; unpickle it with 9.8.7-rc, or make it again "
         "with this version"
     )
-    for value, place in ((run, 0), (run, 1), (run.frame(0), 0), (run.skin(texture_size=16).scene, 1)):
+    broken = greenstick.break_wood(Request(rings=8, sectors=12, texture_size=64))
+    rings = greenstick.rings(np.array([[0, 0], [9, 0], [9, 8], [0, 8]]), rings=3)
+    scene = run.skin(texture_size=16).scene
+    for value, place in ((run, 0), (run, 1), (run.frame(0), 0), (scene, 1), (broken, 0), (rings, 0)):
         again, parts = apart(value)
         changed = list(parts)
         changed[place] = of_version(parts[place], greenstick.__version__)
