@@ -1,10 +1,10 @@
 """What a Ray cluster adds to a sweep: `python .ci/ray_overhead.py --cores 2 --tasks 40`, in an environment with greenstick and Ray.
 
 The same variants are made in turns by tasks of a cluster on this machine, by as many threads of this process in the same parts, and by
-as many threads as one sweep without parts. A part has as many variants as take `--seconds` on one core. Printed are the seconds of each
-round, and of the medians how much longer the cluster takes than either: than the parts, what Ray adds; than one sweep, what parts add,
-too. Starting the cluster and the first tasks of each of its processes, which import the library, are not counted: a
-sweep has them once. The machine should have nothing else to do; its load is printed."""
+as many threads as one sweep without parts. A part has as many variants as take `--seconds` of processor time. Printed are the seconds of
+each round, and of the medians how much longer the cluster takes than either: than the parts, what Ray adds; than one sweep, what parts
+add, too. Starting the cluster and the first tasks of each of its processes, which import the library, are not counted: a sweep has them
+once. The machine should have nothing else to do; its load is printed."""
 
 import argparse
 import os
@@ -58,19 +58,19 @@ def on_cluster(variants: int, tasks: int, folder: Path, seed: int = FIRST_SEED) 
 
 
 def variants_of_a_task(seconds: float, folder: Path) -> int:
-    """Variants that one core makes in as many seconds."""
+    """Variants that are made in as many seconds of processor time."""
     count = 8
     greenstick.sweep(description(1, 1), folder / "first", threads=1)
-    start = time.monotonic()
+    start = time.process_time()
     greenstick.sweep(description(count, FIRST_SEED), folder / "timed", threads=1)
-    return max(1, round(seconds * count / (time.monotonic() - start)))
+    return max(1, round(seconds * count / (time.process_time() - start)))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--cores", type=int, default=2)
     parser.add_argument("--tasks", type=int, default=40, help="tasks in a round")
-    parser.add_argument("--seconds", type=float, default=1.0, help="how long a task takes")
+    parser.add_argument("--seconds", type=float, default=1.0, help="processor time of a task")
     parser.add_argument("--rounds", type=int, default=3)
     options = parser.parse_args()
     cores, tasks = options.cores, options.tasks
@@ -88,7 +88,7 @@ def main() -> None:
     for name, seconds in times.items():
         print(f"{name:10} {'  '.join(f'{t:.1f} s' for t in seconds)}")
     one, parts, cluster = (statistics.median(seconds) for seconds in times.values())
-    print(f"{tasks} tasks of {variants // tasks} variants, {parts * cores / tasks:.2f} s each")
+    print(f"{tasks} tasks of {variants // tasks} variants; a core took {parts * cores / tasks:.2f} s for each")
     print(f"the cluster takes {100 * (cluster / parts - 1):.1f} % longer than the same parts by threads")
     print(f"the cluster takes {100 * (cluster / one - 1):.1f} % longer than one sweep by threads")
 
