@@ -4,6 +4,8 @@
 request is right and the work failed, ``"cancelled"`` where the caller stopped it.
 """
 
+import pickle
+
 
 class GreenstickError(Exception):
     """The base of all errors of this library."""
@@ -96,6 +98,10 @@ class PictureError(GreenstickError):
 
 class ReportError(GreenstickError):
     """A report cannot be made."""
+
+
+class PickleError(GreenstickError, pickle.UnpicklingError):
+    """A pickle is damaged, or of another version of the library."""
 
 
 class BusyError(GreenstickError):

@@ -2,6 +2,7 @@
 
 use crate::convert::{Reduced, report};
 use crate::failure::Failure;
+use crate::pickled::{unseal, version_seal};
 use crate::pictures::Picture;
 use crate::request::Request;
 use crate::scene::{Scene, encode, file_dictionary};
@@ -11,7 +12,7 @@ use greenstick::Broken as Outcome;
 use greenstick::files;
 use greenstick::formats::LengthUnit;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 
 /// Broken wood.
@@ -132,11 +133,25 @@ impl Broken {
         format!("<greenstick.Broken {}>", names.join(", "))
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, (Request, Option<Py<Scene>>)> {
-        let broken = slf.get();
-        let again = slf.py().import("greenstick")?.getattr("break_wood")?;
-        let given = broken.given.as_ref().map(|g| g.clone_ref(slf.py()));
-        Ok((again, (broken.request.clone(), given)))
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> Reduced<'py, (Bound<'py, PyBytes>, Request, Option<Py<Scene>>)> {
+        let (py, broken) = (slf.py(), slf.get());
+        let given = broken.given.as_ref().map(|g| g.clone_ref(py));
+        let parts = (version_seal(py), broken.request.clone(), given);
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The broken wood of a pickle.
+    #[staticmethod]
+    fn _again(
+        py: Python<'_>,
+        seal: &[u8],
+        request: &Request,
+        given: Option<Py<Scene>>,
+    ) -> PyResult<Self> {
+        unseal("broken wood", seal)?;
+        break_wood(py, Some(request), given, None)
     }
 }
 

@@ -1,10 +1,11 @@
 //! What a run looks like: the skin of a frame, and films.
 
-use crate::convert::report;
+use crate::convert::{Reduced, report};
 use crate::failure::Failure;
 use crate::pictures::Picture;
 use crate::scene::{Scene, encode, file_dictionary, matrix, picture_parameters};
-use crate::values::each;
+use crate::simulation::Run;
+use crate::values::{dictionary, each};
 use crate::work;
 use greenstick::files::{self, Batch, Output};
 use greenstick::film::{FilmError, open_run};
@@ -50,6 +51,7 @@ impl From<ShowError> for Failure {
 }
 
 /// What is asked of a skin.
+#[derive(Clone)]
 pub struct Asked {
     faces: Option<Faces>,
     field: Option<WoodField>,
@@ -101,6 +103,19 @@ impl Asked {
         })
     }
 
+    /// What reads it again: settings, faces and field.
+    fn words<'py>(&self, py: Python<'py>) -> PyResult<Words<Bound<'py, PyDict>>> {
+        let faces = self.faces.map(|faces| match faces {
+            Faces::Drawn => "drawn".to_owned(),
+            Faces::Rods => "rods".to_owned(),
+        });
+        let field = self.field.map(|field| match field {
+            WoodField::Strain => "strain".to_owned(),
+            WoodField::Damage => "damage".to_owned(),
+        });
+        Ok((dictionary(py, self.parameters.changed())?, faces, field))
+    }
+
     fn shown(&self, seed: u64) -> ShownAs {
         ShownAs {
             faces: self.faces,
@@ -109,6 +124,9 @@ impl Asked {
         }
     }
 }
+
+/// What is asked of a skin as Python gives it: settings, faces and field.
+type Words<D> = (D, Option<String>, Option<String>);
 
 /// A run that was recorded, and the meshes that it is of.
 #[derive(Clone)]
@@ -123,7 +141,12 @@ impl Recording {
     }
 
     /// Makes the skin of a frame, counted from 0 or from −1 backwards.
-    pub fn skin(&self, frame: i64, asked: &Asked, context: &Context) -> Result<Skin, Failure> {
+    pub fn skin(
+        &self,
+        frame: i64,
+        (run_object, asked): (Py<Run>, Asked),
+        context: &Context,
+    ) -> Result<Skin, Failure> {
         let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
         let mut run = self.open(&read)?;
         let count = run.frames();
@@ -142,12 +165,18 @@ impl Recording {
         still.scene().metadata = provenance("skin", None, &run.scene).metadata();
         Ok(Skin {
             report: FilmReport::new(still.report()),
+            of: (run_object, number),
+            asked,
             shown: Mutex::new((run, still)),
         })
     }
 
     /// Makes a film of all frames, or of those that are asked for.
-    pub fn film(&self, asked: Asked, context: &Context) -> Result<Film, Failure> {
+    pub fn film(
+        &self,
+        (run_object, asked): (Py<Run>, Asked),
+        context: &Context,
+    ) -> Result<Film, Failure> {
         let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
         let mut run = self.open(&read)?;
         let frames = asked.parameters.frames.map(Into::into);
@@ -161,6 +190,8 @@ impl Recording {
                 max_joints: asked.parameters.max_joints.map(|n| n as usize),
                 max_influences: asked.parameters.influences as usize,
             },
+            of: run_object,
+            asked,
             shown: Mutex::new((run, film)),
         })
     }
@@ -185,10 +216,14 @@ impl FilmReport {
     }
 }
 
-/// The skin of one frame: its pieces as they are then, and bodies.
+/// The skin of one frame: its pieces as they are then, and bodies. It pickles as its run and what was asked, and is made again when
+/// it is unpickled.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Skin {
     report: FilmReport,
+    /// Its run, and the frame.
+    of: (Py<Run>, usize),
+    asked: Asked,
     /// The run, and what is shown of it.
     shown: Mutex<(Opened, RunStill)>,
 }
@@ -249,12 +284,32 @@ impl Skin {
         let [first, _] = self.report.skin.time_s;
         format!("<greenstick.Skin at {first} s>")
     }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> Reduced<'py, (Py<Run>, usize, Words<Bound<'py, PyDict>>)> {
+        let (py, skin) = (slf.py(), slf.get());
+        let parts = (skin.of.0.clone_ref(py), skin.of.1, skin.asked.words(py)?);
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The skin of a pickle.
+    #[staticmethod]
+    fn _again(run: &Bound<'_, Run>, frame: i64, words: Words<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let (settings, faces, field) = words;
+        let looks = (faces.as_deref(), field.as_deref());
+        Run::skin(run, frame, Some(&settings), looks.0, looks.1, None, None)
+    }
 }
 
-/// A film: pieces that are the same in all frames, and how they move.
+/// A film: pieces that are the same in all frames, and how they move. It pickles as its run and what was asked, and is made again
+/// when it is unpickled.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Film {
     report: FilmReport,
+    /// Its run.
+    of: Py<Run>,
+    asked: Asked,
     glb: GlbOptions,
     /// The run, and what is shown of it.
     shown: Mutex<(Opened, RunFilm)>,
@@ -410,5 +465,21 @@ impl Film {
 
     fn __repr__(&self) -> String {
         format!("<greenstick.Film {} frames>", self.__len__())
+    }
+
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> Reduced<'py, (Py<Run>, Words<Bound<'py, PyDict>>)> {
+        let (py, film) = (slf.py(), slf.get());
+        let parts = (film.of.clone_ref(py), film.asked.words(py)?);
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The film of a pickle.
+    #[staticmethod]
+    fn _again(run: &Bound<'_, Run>, words: Words<Bound<'_, PyDict>>) -> PyResult<Self> {
+        let (settings, faces, field) = words;
+        let looks = (faces.as_deref(), field.as_deref());
+        Run::film(run, Some(&settings), looks.0, looks.1, None, None)
     }
 }

@@ -11,6 +11,8 @@ mod convert;
 mod failure;
 mod films;
 mod mesh;
+mod pickled;
+mod pickled_run;
 mod pictures;
 mod request;
 mod rings;

@@ -2,6 +2,7 @@
 
 use crate::arrays;
 use crate::convert::Reduced;
+use crate::pickled::damaged;
 use greenstick::files::{self, Output};
 use greenstick::geometry::Metadata;
 use greenstick::picture::Picture as Drawn;
@@ -102,12 +103,25 @@ impl Picture {
 
     /// The picture of a pickle.
     #[staticmethod]
-    fn _again(width: u32, height: u32, rgb: Vec<u8>, metadata: Vec<(String, String)>) -> Self {
+    fn _again(
+        width: u32,
+        height: u32,
+        rgb: Vec<u8>,
+        metadata: Vec<(String, String)>,
+    ) -> PyResult<Self> {
+        let (found, expected) = (
+            rgb.len() as u128,
+            3 * u128::from(width) * u128::from(height),
+        );
+        if found != expected {
+            let problem = format!("{width} x {height} pixels have {expected} bytes, not {found}");
+            return Err(damaged("a picture", problem).into());
+        }
         let mut all = Metadata::default();
         for (name, text) in metadata {
             all.push(&name, &text);
         }
-        Picture::new(Drawn { width, height, rgb }, all)
+        Ok(Picture::new(Drawn { width, height, rgb }, all))
     }
 }
 

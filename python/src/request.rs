@@ -2,6 +2,7 @@
 
 use crate::convert::{Reduced, from_python, report};
 use crate::failure::Failure;
+use crate::pickled::damaged;
 use crate::values::{attribute, dictionary, each, get};
 use greenstick::files::read_text;
 use greenstick::fracture::presets::PRESETS;
@@ -229,7 +230,8 @@ impl Request {
     /// The request of a recipe whose relative input starts from a folder; for pickles.
     #[staticmethod]
     fn _again(text: &str, folder: PathBuf) -> PyResult<Self> {
-        let file = RequestFile::resolve(&[], Some(text), &[]).map_err(failure)?;
+        let file = RequestFile::resolve(&[], Some(text), &[]);
+        let file = file.map_err(|problem| damaged("a request", problem))?;
         // Python writes an empty path as ".".
         let folder = folder
             .strip_prefix(".")

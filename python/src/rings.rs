@@ -1,10 +1,11 @@
 //! Annual rings of a section.
 
 use crate::arrays::{self, Expected};
-use crate::convert::{points, report};
+use crate::convert::{Reduced, points, report};
 use crate::failure::Failure;
+use crate::pickled::{unseal, version_seal};
 use crate::pictures::Picture;
-use crate::values::each;
+use crate::values::{dictionary, each};
 use crate::work;
 use greenstick::SectionRingSettings;
 use greenstick::files::{self, Output, read_photograph};
@@ -15,7 +16,7 @@ use greenstick::wood::rings::{RingsFile, SectionFile, SectionFileError};
 use greenstick::{ErrorKind, provenance};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyMapping, PyString};
+use pyo3::types::{PyBytes, PyDict, PyMapping, PyString};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -29,10 +30,12 @@ impl From<SectionFileError> for Failure {
     }
 }
 
-/// The annual rings of a section, in the units and axes of its file.
+/// The annual rings of a section, in the units and axes of its file. They pickle as the section and what was asked, and are made
+/// again when they are unpickled.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Rings {
     section: RingsFile,
+    source: Source,
     settings: SectionRingSettings,
     provenance: Provenance,
     /// Where the stem began to be eccentric, as a share of its radius: fitted or given; None for that of an average tree.
@@ -132,6 +135,28 @@ impl Rings {
         self.section.rings.ring_count()
     }
 
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> Reduced<'py, (Bound<'py, PyBytes>, Source, Bound<'py, PyDict>)> {
+        let (py, rings) = (slf.py(), slf.get());
+        let settings = dictionary(py, rings.settings.changed())?;
+        let parts = (version_seal(py), rings.source.clone(), settings);
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The rings of a pickle.
+    #[staticmethod]
+    fn _again(
+        py: Python<'_>,
+        seal: &[u8],
+        source: Source,
+        settings: &Bound<'_, PyDict>,
+    ) -> PyResult<Self> {
+        unseal("rings", seal)?;
+        let asked = settings_of([Some(settings), None])?;
+        make_rings(py, source, asked, None)
+    }
+
     fn __repr__(&self) -> String {
         format!("<greenstick.Rings {} rings>", self.__len__())
     }
@@ -152,22 +177,41 @@ pub fn rings(
     progress: Option<&Bound<'_, PyAny>>,
     keys: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<Rings> {
-    let mut asked = SectionRingSettings::default();
-    each([settings, keys], |key, value| Ok(asked.set(key, value)?))?;
-    asked.check().map_err(Failure::from)?;
+    let asked = settings_of([settings, keys])?;
     let (text, name) = section_text(section)?;
+    make_rings(py, (text, name, fit), asked, progress)
+}
+
+/// The text of a section, the file that it was read from, and whether the rings are fitted to those that it has.
+type Source = (String, Option<PathBuf>, bool);
+
+/// Reads what is asked of rings.
+fn settings_of(dictionaries: [Option<&Bound<'_, PyDict>>; 2]) -> PyResult<SectionRingSettings> {
+    let mut asked = SectionRingSettings::default();
+    each(dictionaries, |key, value| Ok(asked.set(key, value)?))?;
+    asked.check().map_err(Failure::from)?;
+    Ok(asked)
+}
+
+fn make_rings(
+    py: Python<'_>,
+    source: Source,
+    asked: SectionRingSettings,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Rings> {
+    let (text, name, fit) = &source;
     let about = |error: SectionFileError| -> Failure {
         let failure = Failure::from(error);
-        match &name {
+        match name {
             Some(path) => failure.about(path),
             None => failure,
         }
     };
     let (method, pith) = (asked.method(), asked.pith_point().map(Into::into));
     let make = |context: &Context| -> Result<_, SectionFileError> {
-        let file = SectionFile::parse(&text)?;
+        let file = SectionFile::parse(text)?;
         let units = file.units().to_owned();
-        let onset = match (asked.eccentricity_onset, fit) {
+        let onset = match (asked.eccentricity_onset, *fit) {
             (None, true) => Some(file.fit_eccentricity_onset(pith, context)?),
             (given, _) => given,
         };
@@ -181,6 +225,7 @@ pub fn rings(
     Ok(Rings {
         section,
         provenance: provenance("rings", input.as_deref(), &asked),
+        source,
         settings: asked,
         eccentricity_onset,
         units,

@@ -4,6 +4,7 @@ use crate::arrays::{self, Expected};
 use crate::convert::Reduced;
 use crate::failure::Failure;
 use crate::mesh::Mesh;
+use crate::pickled::{damaged, mesh_checksum, seal, unseal};
 use crate::pictures::Picture;
 use crate::values::each;
 use crate::work;
@@ -20,6 +21,7 @@ use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -130,6 +132,9 @@ fn affine(given: &Bound<'_, PyAny>) -> PyResult<DAffine3> {
     })
 }
 
+/// What is pickled, in messages.
+const SCENE: &str = "a scene";
+
 /// What a scene has beside its nodes, as pickles hold it.
 #[derive(Serialize, Deserialize)]
 struct Surroundings {
@@ -138,6 +143,18 @@ struct Surroundings {
     images: Vec<Image>,
     notes: Vec<String>,
     metadata: Metadata,
+    /// A checksum of the mesh of each node.
+    meshes: Vec<u64>,
+}
+
+/// Returns a checksum of the mesh of each node.
+fn mesh_checksums(nodes: &[Placed]) -> Vec<u64> {
+    let mut known: HashMap<*const Triangles, u64> = HashMap::new();
+    let sum = |node: &Placed| {
+        let sum = known.entry(Arc::as_ptr(&node.mesh));
+        *sum.or_insert_with(|| mesh_checksum(&node.mesh))
+    };
+    nodes.iter().map(sum).collect()
 }
 
 /// Placed meshes with their materials: what files hold.
@@ -369,12 +386,13 @@ impl Scene {
             images: whole.images.clone(),
             notes: whole.notes.clone(),
             metadata: whole.metadata.clone(),
+            meshes: mesh_checksums(&whole.nodes),
         };
         let rest = postcard::to_stdvec(&rest)
             .map_err(|e| Failure::value(format!("the scene cannot be pickled: {e}")))?;
         let parts = (
             scene.nodes(slf.py())?,
-            PyBytes::new(slf.py(), &rest),
+            PyBytes::new(slf.py(), &seal(&rest)),
             scene.path.clone(),
         );
         Ok((slf.get_type().getattr("_again")?, parts))
@@ -383,11 +401,8 @@ impl Scene {
     /// The scene of a pickle.
     #[staticmethod]
     fn _again(nodes: Vec<Bound<'_, Node>>, rest: &[u8], path: Option<PathBuf>) -> PyResult<Self> {
-        let rest: Surroundings = postcard::from_bytes(rest).map_err(|e| {
-            Failure::value(format!(
-                "the pickle is of another version of greenstick, or damaged: {e}"
-            ))
-        })?;
+        let rest: Surroundings = postcard::from_bytes(unseal(SCENE, rest)?)
+            .map_err(|problem| damaged(SCENE, problem))?;
         let scene = Meshes {
             nodes: nodes.iter().map(|node| placed(node.get())).collect(),
             materials: rest.materials,
@@ -396,6 +411,9 @@ impl Scene {
             notes: rest.notes,
             metadata: rest.metadata,
         };
+        if mesh_checksums(&scene.nodes) != rest.meshes {
+            return Err(damaged(SCENE, "the checksum of a mesh is wrong").into());
+        }
         check_parents(&scene)?;
         Ok(Scene::new(scene, path))
     }

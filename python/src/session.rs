@@ -67,7 +67,7 @@ struct Loaded {
 /// >>> session.started_at
 /// 'heights'
 ///
-/// A session works for one thread at a time; `fork` gives another thread its own.
+/// A session works for one thread at a time; `fork` gives another thread its own. It pickles as its scene: its stages are made anew.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Session {
     given: Option<Py<Scene>>,
@@ -270,5 +270,11 @@ impl Session {
             given: self.given.as_ref().map(|scene| scene.clone_ref(py)),
             loaded: Mutex::new(copy),
         })
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, (Option<Py<Scene>>,)> {
+        let given = slf.get().given.as_ref();
+        let given = given.map(|scene| scene.clone_ref(slf.py()));
+        Ok((slf.get_type().into_any(), (given,)))
     }
 }

@@ -1,9 +1,11 @@
 //! Simulation: scenes that move until wood breaks, frame by frame.
 
 use crate::arrays;
-use crate::convert::{columns, report};
+use crate::convert::{Reduced, columns, json, report};
 use crate::failure::Failure;
 use crate::films::{Asked, Film, Recording, Skin};
+use crate::pickled::damaged;
+use crate::pickled_run::{RunParts, frame_again, frame_bytes, report_again, run_again, run_parts};
 use crate::scene::Scene;
 use crate::values::each;
 use crate::work;
@@ -25,7 +27,7 @@ use greenstick::simulate::{
 use greenstick_sweep::input::up_axis;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::SyncSender;
@@ -103,15 +105,28 @@ impl Frame {
         let rods = self.0.diameter.len();
         format!("<greenstick.Frame {} s, {rods} rods>", self.0.time)
     }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, (Bound<'py, PyBytes>,)> {
+        let bytes = PyBytes::new(slf.py(), &frame_bytes(&slf.get().0));
+        Ok((slf.get_type().getattr("_again")?, (bytes,)))
+    }
+
+    /// The frame of a pickle.
+    #[staticmethod]
+    fn _again(bytes: &[u8]) -> PyResult<Self> {
+        Ok(Frame(Arc::new(frame_again(bytes)?)))
+    }
 }
 
-/// A run: in memory as `simulate` made it, or in a folder as the program left it.
+/// A run: in memory as `simulate` made it, or in a folder as the program left it. It pickles with all that it recorded.
 #[pyclass(module = "greenstick", frozen)]
 pub struct Run {
     recording: Recording,
     /// The report as the program prints it with `--json`; None of a run that was read from a folder.
     #[pyo3(get)]
     report: Option<Py<PyAny>>,
+    /// The same as JSON.
+    report_text: Option<String>,
 }
 
 #[pymethods]
@@ -143,10 +158,7 @@ impl Run {
                 meshes: SceneMeshes { input, bodies },
             })
         })?;
-        Ok(Run {
-            recording,
-            report: None,
-        })
+        Run::new(py, recording, None)
     }
 
     /// Times of the frames, s.
@@ -189,38 +201,37 @@ impl Run {
     /// Keys are those of the program's `skin`: `texture_size=512`, `no_bodies=True`, `slabs=0.4`. `faces` is "drawn", "rods" or
     /// None for those that show the run best. `field` colours the wood by "strain" or "damage".
     #[pyo3(signature = (frame=-1, settings=None, *, faces=None, field=None, progress=None, **keys))]
-    #[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
-    fn skin(
-        &self,
-        py: Python<'_>,
+    pub fn skin<'py>(
+        slf: &Bound<'py, Self>,
         frame: i64,
-        settings: Option<&Bound<'_, PyDict>>,
+        settings: Option<&Bound<'py, PyDict>>,
         faces: Option<&str>,
         field: Option<&str>,
-        progress: Option<&Bound<'_, PyAny>>,
-        keys: Option<&Bound<'_, PyDict>>,
+        progress: Option<&Bound<'py, PyAny>>,
+        keys: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Skin> {
         let asked = Asked::new(faces, field, [settings, keys])?;
-        let recording = &self.recording;
-        work::run(py, progress, |context| {
-            recording.skin(frame, &asked, context)
+        let (recording, run) = (&slf.get().recording, slf.clone().unbind());
+        work::run(slf.py(), progress, |context| {
+            recording.skin(frame, (run, asked), context)
         })
     }
 
     /// Makes a film of all frames, or of `frames="30..60"`. Arguments are those of `skin`.
     #[pyo3(signature = (settings=None, *, faces=None, field=None, progress=None, **keys))]
-    fn film(
-        &self,
-        py: Python<'_>,
-        settings: Option<&Bound<'_, PyDict>>,
+    pub fn film<'py>(
+        slf: &Bound<'py, Self>,
+        settings: Option<&Bound<'py, PyDict>>,
         faces: Option<&str>,
         field: Option<&str>,
-        progress: Option<&Bound<'_, PyAny>>,
-        keys: Option<&Bound<'_, PyDict>>,
+        progress: Option<&Bound<'py, PyAny>>,
+        keys: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Film> {
         let asked = Asked::new(faces, field, [settings, keys])?;
-        let recording = &self.recording;
-        work::run(py, progress, |context| recording.film(asked, context))
+        let (recording, run) = (&slf.get().recording, slf.clone().unbind());
+        work::run(slf.py(), progress, |context| {
+            recording.film((run, asked), context)
+        })
     }
 
     fn __len__(&self) -> PyResult<usize> {
@@ -230,6 +241,40 @@ impl Run {
 
     fn __repr__(&self) -> PyResult<String> {
         Ok(format!("<greenstick.Run {} frames>", self.__len__()?))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> Reduced<'py, RunParts<'py>> {
+        let run = slf.get();
+        let parts = run_parts(slf.py(), &run.recording, run.report_text.as_deref())?;
+        Ok((slf.get_type().getattr("_again")?, parts))
+    }
+
+    /// The run of a pickle.
+    #[staticmethod]
+    fn _again(
+        py: Python<'_>,
+        head: &[u8],
+        report: Option<&[u8]>,
+        frames: Vec<Bound<'_, PyBytes>>,
+        input: Option<Bound<'_, Scene>>,
+        bodies: Vec<Option<Bound<'_, Scene>>>,
+    ) -> PyResult<Self> {
+        let report = report.map(report_again).transpose()?;
+        Run::new(py, run_again(head, &frames, input, bodies)?, report)
+    }
+}
+
+impl Run {
+    fn new(py: Python<'_>, recording: Recording, report_text: Option<String>) -> PyResult<Self> {
+        let report = report_text.as_deref().map(|text| {
+            let value = serde_json::from_str(text).map_err(|e| damaged("a run", e))?;
+            Ok::<_, PyErr>(json(py, &value)?.unbind())
+        });
+        Ok(Run {
+            recording,
+            report: report.transpose()?,
+            report_text,
+        })
     }
 }
 
@@ -403,11 +448,10 @@ pub fn simulate(
             None => Ok(()),
         },
     )?;
-    Ok(Run {
-        recording: Recording {
-            source: Arc::new(run),
-            meshes: request.meshes,
-        },
-        report: Some(report(py, &found)?.unbind()),
-    })
+    let recording = Recording {
+        source: Arc::new(run),
+        meshes: request.meshes,
+    };
+    let report = serde_json::to_string(&found).map_err(Failure::report)?;
+    Run::new(py, recording, Some(report))
 }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -47,6 +48,9 @@ def test_rings_are_those_of_the_program(tmp_path: Path) -> None:
     for curve, radius, ring in zip(ours.curves, ours.mean_radii, written["rings"]):
         assert np.allclose(curve, ring["points"], atol=1e-4)
         assert radius == pytest.approx(ring["mean_radius"])
+    again = pickle.loads(pickle.dumps(ours))
+    assert again.json() == ours.json() and again.picture().png() == ours.picture().png()
+    assert again.eccentricity_onset == ours.eccentricity_onset is not None
 
 
 def test_the_onset_of_eccentricity_is_fitted() -> None:

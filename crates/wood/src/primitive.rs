@@ -72,17 +72,32 @@ fn noise(seed: u64, purpose: u64, x: f64, y: f64, period: i64) -> f64 {
 fn border(seed: u64, purpose: u64, x: f64, y: f64, period: i64) -> f64 {
     let (i, j) = (x.floor() as i64, y.floor() as i64);
     let (mut first, mut second) = (f64::INFINITY, f64::INFINITY);
-    for a in -2..=2 {
-        for b in -2..=2 {
-            let (ci, cj) = (i + a, j + b);
-            let key = ci.rem_euclid(period);
-            let px = ci as f64 + hash(seed, purpose, key, cj);
-            let py = cj as f64 + hash(seed, purpose + 1, key, cj);
-            let d = ((px - x) * (px - x) + (py - y) * (py - y)).sqrt();
-            if d < first {
-                (first, second) = (d, first);
-            } else if d < second {
-                second = d;
+    let mut visit = |a: i64, b: i64| {
+        let (ci, cj) = (i + a, j + b);
+        let key = ci.rem_euclid(period);
+        let px = ci as f64 + hash(seed, purpose, key, cj);
+        let py = cj as f64 + hash(seed, purpose + 1, key, cj);
+        let d = ((px - x) * (px - x) + (py - y) * (py - y)).sqrt();
+        if d < first {
+            (first, second) = (d, first);
+        } else if d < second {
+            second = d;
+        }
+        second
+    };
+    let mut near = f64::INFINITY;
+    for a in -1..=1 {
+        for b in -1..=1 {
+            near = visit(a, b);
+        }
+    }
+    // What is in the cells beyond is at least a cell away.
+    if near >= 1.0 {
+        for a in -2_i64..=2 {
+            for b in -2_i64..=2 {
+                if a.abs().max(b.abs()) == 2 {
+                    visit(a, b);
+                }
             }
         }
     }
