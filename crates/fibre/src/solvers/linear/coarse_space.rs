@@ -105,7 +105,7 @@ impl CoarseSpace {
             (0..WEIGHTS).map(move |k| (node(p, k), node(row.lowest as usize, 0)))
         });
         self.matrix = EnvelopeMatrix::zeros(3, WEIGHTS * self.count, pairs);
-        let count = (self.rows.iter().enumerate().last()).map_or(0, |(p, row)| {
+        let count = (self.rows.iter().enumerate().next_back()).map_or(0, |(p, row)| {
             row.start as usize + p + 1 - row.lowest as usize
         });
         for blocks in self.blocks.iter_mut().flatten() {
