@@ -205,6 +205,7 @@ impl Newton {
             held: &balance.held,
             prescribed: &vec![0.0; balance.held.len()],
             tolerance: TOLERANCE,
+            update_preconditioner: true,
         };
         let mut variation = ForceDifference::new(problem, &state);
         match (&mut self.linear, &mut balance.evaluator) {

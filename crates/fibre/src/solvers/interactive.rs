@@ -69,6 +69,7 @@ const OPTIONS: NewtonOptions = NewtonOptions {
     min_iterations: 1,
     max_iterations: 16,
     linear_tolerance: 0.1,
+    preconditioner_iterations: 4,
     work_tolerance: 1e-4,
     lengthen_steps: true,
 };

@@ -97,6 +97,8 @@ pub(super) struct NewtonOptions {
     pub max_iterations: usize,
     /// Relative accuracy of each linear solution.
     pub linear_tolerance: f64,
+    /// Iterations that a preconditioner serves.
+    pub preconditioner_iterations: usize,
     /// Unbalanced forces do less work in the step than this fraction of all energy there has been. A state is balanced too where
     /// they would do less than a tenth of that on the way to where Newton's method expects the balance: slack fibres, which are
     /// stiff along and soft across, have large unbalanced forces that hardly move anything. Infinite to leave out both.
@@ -114,6 +116,7 @@ impl NewtonOptions {
         min_iterations: 0,
         max_iterations: MAX_ITERATIONS,
         linear_tolerance: LINEAR_TOLERANCE,
+        preconditioner_iterations: 1,
         work_tolerance: f64::INFINITY,
         lengthen_steps: false,
     };
@@ -355,7 +358,10 @@ impl Newton {
                     tolerance: now.tolerance,
                 });
             }
-            let mut step = self.newton_step(problem, &iterates.state, &prescribed, context)?;
+            let renewal = self.options.preconditioner_iterations.max(1);
+            let update = now.count.is_multiple_of(renewal);
+            let mut step =
+                self.newton_step(problem, &iterates.state, &prescribed, update, context)?;
             let search = !pending(&prescribed);
             let ahead = self.balance.slope(&step).abs();
             let small = |w: &UnbalancedWork| w.is_small() && ahead <= AHEAD_RATIO * w.tolerance;
@@ -502,6 +508,7 @@ impl Newton {
         problem: &EquilibriumProblem,
         state: &State,
         prescribed: &[f64],
+        update_preconditioner: bool,
         context: &Context,
     ) -> Result<Vec<f64>, Cancelled> {
         let inertia = problem
@@ -520,6 +527,7 @@ impl Newton {
             held: &balance.held,
             prescribed,
             tolerance: self.options.linear_tolerance,
+            update_preconditioner,
         };
         let step = match (&mut self.linear, &mut balance.evaluator) {
             (LinearSolver::WithoutTwist(solver), Some(evaluator)) => {

@@ -1,7 +1,6 @@
 //! The coarse level of the preconditioner: pieces of cross-sections that move as a whole. Vertices in one slab of the stem,
-//! an edge thick, that bonds connect are one piece. Its displacement is u = c + a ξ + b η + e ζ, with ξ and η the positions of
-//! its vertices at rest across the stem and ζ along it: translation, rotation, stretch and shear. Without ζ a slab whose
-//! vertices lie at different lengths could not turn as a whole, and the bonds between them would make the stem too stiff.
+//! an edge thick, that bonds connect are one piece. Its displacement is u = c + a ξ + b η, with ξ and η the positions of its
+//! vertices at rest across the stem: translation, rotation, stretch and shear of the cross-section.
 
 // Rows, columns and vertices index several arrays alike.
 #![allow(clippy::needless_range_loop)]
@@ -14,7 +13,7 @@ use crate::rod_bundle::RodBundle;
 use crate::simd::bond_gradients::BondGradient;
 use crate::simd::dispatch::with_widest_registers;
 use crate::simd::lanes::PaddedVec3;
-use crate::simd::rank_update::{Block, BlockRow, WEIGHTS, add_rows};
+use crate::simd::rank_update::{Block, BlockRow, add_rows};
 use glam::DVec3;
 use greenstick_geometry::{Cancelled, Context, Unions};
 
@@ -23,44 +22,15 @@ const NO_PIECE: u32 = u32::MAX;
 /// Parts in which the matrix is summed, each by a thread of its own. Their number is fixed, so that the bits of the sum are.
 const PARTS: usize = 2;
 /// Degrees of freedom of a piece.
-const PIECE_DOFS: usize = 3 * WEIGHTS;
-/// Which pieces take part, and which pairs of them have a block: the first choice with at most [`MAX_BLOCKS`], or the last.
-const CHOICES: [Choice; 3] = [
-    Choice {
-        min_vertices: 2,
-        contact_slabs: 4,
-    },
-    Choice {
-        min_vertices: 2,
-        contact_slabs: 0,
-    },
-    Choice {
-        min_vertices: 5,
-        contact_slabs: 0,
-    },
-];
-/// Blocks of the matrix that are assembled and factored faster than they save iterations.
-const MAX_BLOCKS: usize = 4096;
-/// Offsets along the stem below this fraction of a piece's size are rounding.
-const MIN_OFFSET: f64 = 1e-6;
-/// Fraction of the diagonal that is added to it: a piece whose vertices lie in a line or plane does not determine all of its
-/// degrees of freedom.
+const PIECE_DOFS: usize = 9;
+/// Smaller pieces are left to the fine level.
+const MIN_PIECE_VERTICES: u32 = 5;
+/// Fraction of the diagonal that is added to it: a piece whose vertices lie in a line does not determine all of its degrees of
+/// freedom.
 const REGULARISATION: f64 = 1e-9;
 
-/// Forces on a piece, or its displacement: the constant part, and those proportional to ξ, η and ζ.
-pub(super) type PieceVector = [[f64; 4]; WEIGHTS];
-
-/// None.
-pub(super) const NO_VECTOR: PieceVector = [[0.0; 4]; WEIGHTS];
-
-/// Which pieces take part, and which pairs of them have a block.
-#[derive(Debug, Clone, Copy)]
-struct Choice {
-    /// Smaller pieces are left to the fine level.
-    min_vertices: u32,
-    /// Rods of pieces whose slabs are at most so far apart may touch, though no bond connects them.
-    contact_slabs: u32,
-}
+/// Forces on a piece, or its displacement: the constant part, and those proportional to ξ and η.
+pub(super) type PieceVector = [[f64; 4]; 3];
 
 /// A block row of the matrix.
 #[derive(Debug, Clone, Copy)]
@@ -76,10 +46,8 @@ struct PieceRow {
 pub(super) struct CoarseSpace {
     /// Per vertex: its piece.
     piece: Vec<u32>,
-    /// Per vertex: 1, ξ, η and ζ over the size of the piece.
-    weight: Vec<[f64; WEIGHTS]>,
-    /// Per piece: its slab, ascending.
-    slab: Vec<u32>,
+    /// Per vertex: 1, ξ and η over the size of the piece.
+    weight: Vec<[f64; 3]>,
     count: usize,
     /// Whether the matrix is factored.
     ready: bool,
@@ -91,38 +59,11 @@ pub(super) struct CoarseSpace {
 impl CoarseSpace {
     /// Derives everything that depends on which rods and bonds there are.
     pub fn prepare(&mut self, bundle: &RodBundle) {
+        let n = bundle.vertices();
         let axis = main_axis(bundle);
-        let slabs = slabs(bundle, axis);
-        for choice in CHOICES {
-            self.find_pieces(bundle, &slabs, choice.min_vertices);
-            if self.find_rows(bundle, choice.contact_slabs) <= MAX_BLOCKS {
-                break;
-            }
-        }
+        self.find_pieces(bundle, &slabs(bundle, axis));
         self.find_weights(bundle, axis);
-        let node = |piece: usize, part: usize| (WEIGHTS * piece + part) as u32;
-        let pairs = (self.rows.iter().enumerate()).flat_map(|(p, row)| {
-            (0..WEIGHTS).map(move |k| (node(p, k), node(row.lowest as usize, 0)))
-        });
-        self.matrix = EnvelopeMatrix::zeros(3, WEIGHTS * self.count, pairs);
-        let count = (self.rows.iter().enumerate().next_back()).map_or(0, |(p, row)| {
-            row.start as usize + p + 1 - row.lowest as usize
-        });
-        for blocks in self.blocks.iter_mut().flatten() {
-            blocks.resize(count, [[0.0; 16]; PIECE_DOFS]);
-        }
-    }
-
-    /// Finds the block rows of pieces that edges and bonds connect, or whose slabs are at most `contact_slabs` apart. Returns the
-    /// number of blocks.
-    fn find_rows(&mut self, bundle: &RodBundle, contact_slabs: u32) -> usize {
-        let slab = &self.slab;
         let mut lowest: Vec<u32> = (0..self.count as u32).collect();
-        if contact_slabs > 0 {
-            for (low, own) in lowest.iter_mut().zip(slab) {
-                *low = slab.partition_point(|s| s + contact_slabs < *own) as u32;
-            }
-        }
         let mut connect = |u: usize, v: usize| {
             let (a, b) = (self.piece[u], self.piece[v]);
             if a != NO_PIECE && b != NO_PIECE {
@@ -130,7 +71,7 @@ impl CoarseSpace {
                 *row = (*row).min(a.min(b));
             }
         };
-        for v in (0..bundle.vertices()).filter(|&v| bundle.is_edge(v)) {
+        for v in (0..n).filter(|&v| bundle.is_edge(v)) {
             connect(v, v + 1);
             if bundle.bend[v] > 0.0 {
                 connect(v - 1, v + 1);
@@ -140,6 +81,9 @@ impl CoarseSpace {
             connect(v, e);
             connect(v, e + 1);
         }
+        let pairs = (lowest.iter().enumerate())
+            .flat_map(|(p, &low)| (0..3).map(move |k| (3 * p as u32 + k, 3 * low)));
+        self.matrix = EnvelopeMatrix::zeros(3, 3 * self.count, pairs);
         let mut next = 0;
         self.rows.clear();
         for (p, lowest) in lowest.into_iter().enumerate() {
@@ -149,11 +93,13 @@ impl CoarseSpace {
             });
             next += p as u32 - lowest + 1;
         }
-        next as usize
+        for blocks in self.blocks.iter_mut().flatten() {
+            blocks.resize(next as usize, [[0.0; 16]; PIECE_DOFS]);
+        }
     }
 
-    /// Finds the pieces: vertices in one slab that edges and bonds connect, at least `min_vertices` of them.
-    fn find_pieces(&mut self, bundle: &RodBundle, slab: &[u32], min_vertices: u32) {
+    /// Finds the pieces: vertices in one slab that edges and bonds connect.
+    fn find_pieces(&mut self, bundle: &RodBundle, slab: &[u32]) {
         let n = bundle.vertices();
         let mut parts = Unions::new(n);
         let mut connect = |a: usize, b: usize| {
@@ -172,7 +118,7 @@ impl CoarseSpace {
         let mut size = vec![0u32; n];
         roots.iter().for_each(|r| size[*r as usize] += 1);
         let mut order: Vec<u32> = (0..n as u32)
-            .filter(|&v| roots[v as usize] == v && size[v as usize] >= min_vertices)
+            .filter(|&v| roots[v as usize] == v && size[v as usize] >= MIN_PIECE_VERTICES)
             .collect();
         // Along the stem, for a narrow matrix.
         order.sort_unstable_by_key(|&v| (slab[v as usize], v));
@@ -181,7 +127,6 @@ impl CoarseSpace {
             number[*v as usize] = k as u32;
         }
         self.piece = roots.iter().map(|r| number[*r as usize]).collect();
-        self.slab = order.iter().map(|&v| slab[v as usize]).collect();
         self.count = order.len();
     }
 
@@ -206,12 +151,10 @@ impl CoarseSpace {
         self.weight = (self.piece.iter().enumerate())
             .map(|(v, &p)| {
                 if p == NO_PIECE {
-                    return [0.0; WEIGHTS];
+                    return [0.0; 3];
                 }
                 let d = from(v, p) / reach[p as usize];
-                let along = d.dot(axis);
-                let along = if along.abs() < MIN_OFFSET { 0.0 } else { along };
-                [1.0, d.dot(side), d.dot(up), along]
+                [1.0, d.dot(side), d.dot(up)]
             })
             .collect();
     }
@@ -273,13 +216,7 @@ impl CoarseSpace {
         self.sum_parts(context)?;
         let matrix = &mut self.matrix;
         for row in 0..matrix.rows() {
-            // A piece whose vertices all lie at one length does not stretch along the stem.
-            let diagonal = matrix.diagonal(row);
-            let more = if diagonal > 0.0 {
-                REGULARISATION * diagonal
-            } else {
-                1.0
-            };
+            let more = REGULARISATION * matrix.diagonal(row);
             matrix.add(row, row, more);
         }
         // Without a factor the fine level works alone.
@@ -346,7 +283,7 @@ impl CoarseSpace {
         let mut x = forces.clone();
         self.matrix.solve(&mut x);
         for (displacement, x) in sums.iter_mut().zip(x.chunks_exact(PIECE_DOFS)) {
-            *displacement = NO_VECTOR;
+            *displacement = [[0.0; 4]; 3];
             (0..PIECE_DOFS).for_each(|f| displacement[f / 3][f % 3] = x[f]);
         }
         forces.iter().zip(&x).fold(0.0, |sum, (f, x)| sum + f * x)
@@ -373,7 +310,7 @@ impl CoarseSpace {
 /// piece: the entries `block` (row, column), times `factor`.
 #[inline(always)]
 fn weighted_rows(
-    weight: &[f64; WEIGHTS],
+    weight: &[f64; 3],
     factor: f64,
     block: impl Fn(usize, usize) -> f64,
 ) -> [BlockRow; 3] {
@@ -396,7 +333,7 @@ struct Pairs<'a> {
 impl Pairs<'_> {
     /// Adds a block with rows of a vertex of piece `p` and columns of piece `q`.
     #[inline(always)]
-    fn add(&mut self, p: u32, q: u32, weight: &[f64; WEIGHTS], rows: &[BlockRow; 3]) {
+    fn add(&mut self, p: u32, q: u32, weight: &[f64; 3], rows: &[BlockRow; 3]) {
         let row = self.rows[p.max(q) as usize];
         let number = row.start + p.min(q) - row.lowest;
         let block = &mut self.blocks[usize::from(p < q)][number as usize];
@@ -408,7 +345,7 @@ impl Pairs<'_> {
     fn add_bond(
         &mut self,
         piece: &[u32],
-        weight: &[[f64; WEIGHTS]],
+        weight: &[[f64; 3]],
         free: &[PaddedVec3],
         bond: &BondGradient,
     ) {
@@ -440,11 +377,11 @@ impl Pairs<'_> {
         }
     }
 
-    /// Adds a contact, along its normal and across it. One between pieces that have no block in the matrix is left out.
+    /// Adds a contact, along its normal and across it. A contact between pieces that have no block in the matrix is left out.
     fn add_contact(
         &mut self,
         piece: &[u32],
-        weight: &[[f64; WEIGHTS]],
+        weight: &[[f64; 3]],
         free: &[PaddedVec3],
         spring: &ContactSpring,
     ) {

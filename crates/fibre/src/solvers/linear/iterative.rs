@@ -3,8 +3,8 @@
 //!
 //! The preconditioner knows what is stiff in wood. On the fine level each rod is solved exactly along the grain, as a band of
 //! three blocks, with its bonds to others on the diagonal. On the coarse level each cross-section moves as a whole,
-//! turns, stretches and shears (twelve degrees of freedom for each piece of a cross-section that bonds still connect: the
-//! beam that a stem is). The iteration is left with how rods of one cross-section move against each other. The two
+//! stretches and shears in its plane (nine degrees of freedom for each piece of a cross-section that bonds still connect:
+//! the beam that a stem is). The iteration is left with how rods of one cross-section move against each other. The two
 //! corrections are added (an additive two-level Schwarz method).
 //!
 //! Sums run in fixed blocks, so that the number of threads changes no bit.
@@ -13,7 +13,7 @@
 #![allow(clippy::needless_range_loop)]
 
 use super::banded_preconditioner::BandedPreconditioner;
-use super::coarse_space::{CoarseSpace, NO_VECTOR, PieceVector};
+use super::coarse_space::{CoarseSpace, PieceVector};
 use super::problem::LinearProblem;
 use super::rod_blocks::{RodBlocks, add_contact, add_rods, multiply_band, remove_held};
 use super::rod_operator::RodOperator;
@@ -156,8 +156,8 @@ impl<const B: usize> IterativeSolver<B> {
         Ok(step)
     }
 
-    /// Linearises everything, makes the preconditioner, and begins with the prescribed displacements and the forces that they
-    /// leave.
+    /// Linearises everything, makes the preconditioner where it is to be made anew, and begins with the prescribed displacements
+    /// and the forces that they leave.
     pub(super) fn begin(
         &mut self,
         problem: &LinearProblem,
@@ -192,7 +192,10 @@ impl<const B: usize> IterativeSolver<B> {
             (r.iter_mut().zip(&*q)).for_each(|(r, q)| (0..4).for_each(|a| r.0[a] -= q.0[a]));
         }
         mask(r, &self.free);
-        self.factor(problem, evaluator, context)
+        if problem.update_preconditioner {
+            self.factor(problem, evaluator, context)?;
+        }
+        Ok(())
     }
 
     /// Solves for the residual by conjugate gradients, with the product of the matrix and a direction that `multiply` sets and
@@ -246,7 +249,7 @@ impl<const B: usize> IterativeSolver<B> {
             } = task;
             let (p, q) = (&p[vertices.clone()], &q[vertices.clone()]);
             pieces.clear();
-            pieces.resize(coarse.pieces(), NO_VECTOR);
+            pieces.resize(coarse.pieces(), [[0.0; 4]; 3]);
             with_widest_registers(
                 #[inline(always)]
                 || {
@@ -265,12 +268,10 @@ impl<const B: usize> IterativeSolver<B> {
             );
         });
         self.pieces.clear();
-        self.pieces.resize(coarse.pieces(), NO_VECTOR);
+        self.pieces.resize(coarse.pieces(), [[0.0; 4]; 3]);
         for task in &self.tasks {
             for (sum, more) in self.pieces.iter_mut().zip(&task.pieces) {
-                for (sum, more) in sum.iter_mut().zip(more) {
-                    (0..4).for_each(|a| sum[a] += more[a]);
-                }
+                (0..3).for_each(|s| (0..4).for_each(|a| sum[s][a] += more[s][a]));
             }
         }
         let rods = self.tasks.iter().fold(0.0, |sum, t| sum + t.product);
@@ -344,10 +345,17 @@ impl<const B: usize> IterativeSolver<B> {
 
     /// Linearises rods and bonds.
     fn assemble(&mut self, problem: &LinearProblem, evaluator: &mut ForceEvaluator) {
-        self.band.clear();
-        (self.band).resize(problem.bundle.vertices(), [[[0.0; 4]; B]; 3]);
+        let banded = B != 3 || problem.update_preconditioner;
+        if banded {
+            self.band.clear();
+            (self.band).resize(problem.bundle.vertices(), [[[0.0; 4]; B]; 3]);
+        }
         let ranges = self.ranges();
-        let own = split(&ranges, &mut self.band);
+        let own = if banded {
+            split(&ranges, &mut self.band)
+        } else {
+            self.tasks.iter().map(|_| Default::default()).collect()
+        };
         let tasks = &mut self.tasks;
         rayon::join(
             || {

@@ -26,4 +26,6 @@ pub(crate) struct LinearProblem<'a> {
     pub prescribed: &'a [f64],
     /// Relative accuracy of the solution.
     pub tolerance: f64,
+    /// Whether the preconditioner is made anew.
+    pub update_preconditioner: bool,
 }

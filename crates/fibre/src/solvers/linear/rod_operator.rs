@@ -308,6 +308,7 @@ mod tests {
             held: &[],
             prescribed: &[],
             tolerance: 0.1,
+            update_preconditioner: true,
         };
         let mut band: Vec<RodBlocks<3>> = vec![[[[0.0; 4]; 3]; 3]; n];
         add_rods(&problem, 0, &mut band);
