@@ -198,7 +198,7 @@ impl FractureTestKind {
 
 impl FractureTestKind {
     /// What its stiffness and largest load stand beside.
-    fn theory(self) -> &'static str {
+    pub(super) fn theory(self) -> &'static str {
         match self {
             FractureTestKind::SingleEdgeNotchedBeam => "sharp crack",
             _ => "beam theory",

@@ -71,7 +71,7 @@ impl FractureTested {
         vec![
             curve("test", path),
             curve(
-                "beam theory",
+                self.test.kind.theory(),
                 [[0.0, 0.0]].into_iter().chain(growing).collect(),
             ),
         ]
