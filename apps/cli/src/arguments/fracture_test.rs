@@ -14,12 +14,15 @@ the rods.
   end-notched-flexure     the beam is bent over two supports, and its halves slide past each other
                           (mode II, sliding); the crack starts at 0.7 of half the span or more, where it
                           grows no faster than the load lets it; nothing rubs
+  single-edge-notched-beam  a beam whose middle block stands upright, between stiff arms, is notched from
+                          below and bent over two supports until it is broken through (mode I; NT BUILD 422)
 
 The energy is measured in two ways that do not use what was put in: by the work of the load that is no
 longer stored, over the area of the crack, and by the change of the compliance C = deflection/load with
 the crack's length a, P^2/(2B) dC/da. Beam theory stands beside them, with its correction of the root:
 of a sharp crack, which leaves out the zone in which bonds soften, and of the crack that the compliance
-tells. All bonds of the specimen may soften and break, not only those of the middle plane.
+tells. All bonds of the specimen may soften and break, not only those of the middle plane. A notched beam
+is measured by its work alone, over the area of its ligament, as its process zone is nearly as long.
 
 Bonds have the strength and the energy of fracture of the species: tension and shear from the tables, the
 energy from density (Larsen and Gustafsson 1990), three times as much in sliding.
@@ -35,6 +38,7 @@ Files in the folder of -o
 Examples
   greenstick fracture-test --species \"Norway spruce\"
   greenstick fracture-test --species \"Norway spruce\" --test end-notched-flexure -o sliding
+  greenstick fracture-test --species \"Norway spruce\" --test single-edge-notched-beam -o notched
   greenstick fracture-test --species \"white oak\" --system rl --moisture green
   greenstick fracture-test --species \"white oak\" --height 3cm --crack 12cm
   greenstick fracture-test --species \"Norway spruce\" --spacing 1.25mm --edge 2mm     finer: 10 s

@@ -280,12 +280,9 @@ fn grips(
 ) -> Vec<Grip> {
     let stiffness = GRIP_STIFFNESS_RATIO * 48.0 * wood.longitudinal * test.section.inertia()
         / test.span.powi(3);
-    let grip = |vertices: &Vec<u32>, axis: usize, speed: f64| Grip {
-        vertices: vertices.clone(),
-        weights: bundle.area.clone(),
-        direction: -DVec3::AXES[axis],
-        stiffness,
-        speed,
+    let grip = |vertices: &Vec<u32>, axis: usize, speed: f64| {
+        Grip::on_mean(vertices.clone(), &bundle.area, -DVec3::AXES[axis])
+            .with_spring(stiffness, speed)
     };
     vec![
         grip(&held.centre, axes.load, 1.0),

@@ -13,7 +13,7 @@ pub(super) const ACROSS: usize = 0;
 pub(super) const UP: usize = 1;
 pub(super) const ALONG: usize = 2;
 
-/// How a specimen is divided along its length: its rods' vertices lie in common cross-sections.
+/// How a specimen is divided along the grain: its rods' vertices lie in common cross-sections.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Division {
     /// Edges of a rod: an even number.
@@ -26,8 +26,10 @@ pub(super) struct Division {
 
 impl Division {
     pub fn new(test: &FractureTest) -> Self {
-        let half = (0.5 * test.length / test.edge - 1e-9).ceil().max(4.0);
-        let edge = 0.5 * test.length / half;
+        let half = (0.5 * test.grain_length() / test.edge - 1e-9)
+            .ceil()
+            .max(4.0);
+        let edge = 0.5 * test.grain_length() / half;
         Division {
             edges: 2 * half as usize,
             edge,

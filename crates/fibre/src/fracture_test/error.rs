@@ -53,6 +53,19 @@ pub enum FractureError {
         /// The growth that is needed, m.
         needed: f64,
     },
+    /// A beam that is to break through does not.
+    #[error(
+        "the ligament still bears {load} N of {maximum} N at a deflection of {deflection} m, but an energy of fracture needs a \
+         beam that is broken through; use a shorter span or a deeper notch"
+    )]
+    Whole {
+        /// Load at the end, N.
+        load: f64,
+        /// Largest load, N.
+        maximum: f64,
+        /// Deflection at the end, m.
+        deflection: f64,
+    },
     /// The specimen cannot be built of rods.
     #[error(transparent)]
     Bundle(#[from] RodBundleError),
@@ -74,6 +87,7 @@ impl FractureError {
             | FractureError::Value { .. }
             | FractureError::TooFine { .. } => ErrorKind::Request,
             FractureError::LittleGrowth { .. }
+            | FractureError::Whole { .. }
             | FractureError::Bundle(_)
             | FractureError::Solver(_) => ErrorKind::Work,
         }

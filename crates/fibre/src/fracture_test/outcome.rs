@@ -1,7 +1,7 @@
 //! What a fracture test returns, and its evaluation.
 
 use super::error::FractureError;
-use super::specimen::FractureTest;
+use super::specimen::{FractureTest, FractureTestKind};
 use super::theory::BeamTheory;
 use serde::{Deserialize, Serialize};
 
@@ -50,19 +50,16 @@ pub struct FractureOutcome {
     pub put_in: f64,
     /// Area of the facets along which the crack runs over that of its plane.
     pub roughness: f64,
-    /// Energy of fracture by dissipated work over the area of the crack's plane, J/m².
+    /// Energy of fracture by dissipated work over the area of the crack's plane, of a single-edge notched beam over that of its
+    /// ligament, J/m².
     pub energy_by_work: f64,
-    /// The same by the change of the compliance, P²/(2B) dC/da, J/m².
-    pub energy_by_compliance: f64,
-    /// The same by beam theory from load and crack, with its correction of the root, J/m².
-    pub energy_by_beam_theory: f64,
-    /// The same from load and the crack that the compliance tells, J/m².
-    pub energy_by_equivalent_crack: f64,
+    /// Measures that a crack gives that grows steadily, as in no single-edge notched beam.
+    pub steady: Option<SteadyGrowth>,
     /// Compliance at the start, m/N.
     pub compliance: f64,
     /// The point of the largest load.
     pub maximum: FracturePoint,
-    /// Mean length of the process zone, m.
+    /// Mean length of the process zone, m; of a single-edge notched beam that when the crack begins to grow.
     pub process_zone: f64,
     /// Energy that bonds beside the crack's plane dissipated over that of all bonds.
     pub dissipated_beside: f64,
@@ -74,12 +71,21 @@ pub struct FractureOutcome {
     pub edge: f64,
 }
 
+/// Energies of fracture by the steady growth of a crack, J/m².
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SteadyGrowth {
+    /// By the change of the compliance, P²/(2B) dC/da.
+    pub by_compliance: f64,
+    /// By beam theory from load and crack, with its correction of the root.
+    pub by_beam_theory: f64,
+    /// From load and the crack that the compliance tells.
+    pub by_equivalent_crack: f64,
+}
+
 /// The evaluation of a test's points.
 pub(super) struct Evaluation {
     pub energy_by_work: f64,
-    pub energy_by_compliance: f64,
-    pub energy_by_beam_theory: f64,
-    pub energy_by_equivalent_crack: f64,
+    pub steady: Option<SteadyGrowth>,
     pub compliance: f64,
     pub maximum: FracturePoint,
     pub process_zone: f64,
@@ -89,8 +95,50 @@ impl Evaluation {
     /// Evaluates the points of a test whose crack began at `start` (m).
     ///
     /// # Errors
-    /// [`FractureError::LittleGrowth`] where the crack did not grow enough.
+    /// [`FractureError::LittleGrowth`] where the crack did not grow enough, [`FractureError::Whole`] where a beam that should have
+    /// did not break through.
     pub fn new(
+        test: &FractureTest,
+        theory: &BeamTheory,
+        points: &[FracturePoint],
+        start: f64,
+    ) -> Result<Self, FractureError> {
+        match test.kind {
+            FractureTestKind::SingleEdgeNotchedBeam => {
+                Evaluation::broken_through(test, points, start)
+            }
+            _ => Evaluation::grown(test, theory, points, start),
+        }
+    }
+
+    /// Evaluates a beam that broke through, by its work over the area of its ligament.
+    fn broken_through(
+        test: &FractureTest,
+        points: &[FracturePoint],
+        start: f64,
+    ) -> Result<Self, FractureError> {
+        let maximum = largest(points);
+        let last = points.last().copied().unwrap_or_default();
+        if !test.is_over(&last, &maximum, start) {
+            return Err(FractureError::Whole {
+                load: last.load,
+                maximum: maximum.load,
+                deflection: last.deflection,
+            });
+        }
+        // Later it reaches the compressed side.
+        let zone = points.iter().find(|p| p.crack > start);
+        Ok(Evaluation {
+            energy_by_work: last.dissipated() / (test.width * (test.height - start)),
+            steady: None,
+            compliance: compliance(points),
+            maximum,
+            process_zone: zone.map_or(0.0, |p| p.zone_end - start),
+        })
+    }
+
+    /// Evaluates the growth of a crack.
+    fn grown(
         test: &FractureTest,
         theory: &BeamTheory,
         points: &[FracturePoint],
@@ -113,24 +161,36 @@ impl Evaluation {
         let mean = |value: &dyn Fn(&FracturePoint) -> f64| {
             grown.iter().map(value).sum::<f64>() / grown.len() as f64
         };
-        let compliance = Parabola::fitted(&grown, |p| p.deflection / p.load);
+        let softening = Parabola::fitted(&grown, |p| p.deflection / p.load);
         let dissipated = Parabola::fitted(&grown, FracturePoint::dissipated);
-        let largest = |a: FracturePoint, &b: &FracturePoint| if b.load > a.load { b } else { a };
-        let elastic = points.iter().find(|p| p.load > 0.0).copied();
         Ok(Evaluation {
             energy_by_work: mean(&|p| dissipated.slope(p.crack)) / test.width,
-            energy_by_compliance: mean(&|p| {
-                p.load * p.load * compliance.slope(p.crack) / (2.0 * test.width)
+            steady: Some(SteadyGrowth {
+                by_compliance: mean(&|p| {
+                    p.load * p.load * softening.slope(p.crack) / (2.0 * test.width)
+                }),
+                by_beam_theory: mean(&|p| theory.energy_release_rate(p.load, p.crack)),
+                by_equivalent_crack: mean(&|p| {
+                    theory.energy_release_rate_by_compliance(p.load, p.deflection / p.load)
+                }),
             }),
-            energy_by_beam_theory: mean(&|p| theory.energy_release_rate(p.load, p.crack)),
-            energy_by_equivalent_crack: mean(&|p| {
-                theory.energy_release_rate_by_compliance(p.load, p.deflection / p.load)
-            }),
-            compliance: elastic.map_or(0.0, |p| p.deflection / p.load),
-            maximum: points.iter().fold(FracturePoint::default(), largest),
+            compliance: compliance(points),
+            maximum: largest(points),
             process_zone: mean(&|p| p.zone_end - p.crack),
         })
     }
+}
+
+/// Returns the compliance at the first load, m/N.
+fn compliance(points: &[FracturePoint]) -> f64 {
+    let elastic = points.iter().find(|p| p.load > 0.0);
+    elastic.map_or(0.0, |p| p.deflection / p.load)
+}
+
+/// Returns the point of the largest load.
+fn largest(points: &[FracturePoint]) -> FracturePoint {
+    let larger = |a: FracturePoint, &b: &FracturePoint| if b.load > a.load { b } else { a };
+    points.iter().fold(FracturePoint::default(), larger)
 }
 
 /// A parabola through points by least squares.

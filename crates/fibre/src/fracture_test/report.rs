@@ -79,12 +79,13 @@ pub struct FractureReport {
     pub facet_area_ratio: f64,
     /// Energy of fracture by dissipated work over area, J/m².
     pub by_work: Beside,
-    /// Energy of fracture by the change of the compliance, P²/(2B) dC/da, J/m².
-    pub by_compliance: Beside,
+    /// Energy of fracture by the change of the compliance, P²/(2B) dC/da, J/m². Like the next two it needs a crack that grows
+    /// steadily, as in no single-edge notched beam.
+    pub by_compliance: Option<Beside>,
     /// Energy of fracture by beam theory from load and crack, J/m².
-    pub by_beam_theory: Beside,
+    pub by_beam_theory: Option<Beside>,
     /// The same with the crack that the compliance tells, so that the process zone counts, J/m².
-    pub by_equivalent_crack: Beside,
+    pub by_equivalent_crack: Option<Beside>,
     /// Compliance at the start beside that of beam theory, m/N.
     pub compliance_m_per_n: Beside,
     /// The largest load beside that at which a sharp crack begins to grow in beam theory, N.
@@ -140,9 +141,13 @@ impl FractureReport {
             put_in_j_per_m2: put_in,
             facet_area_ratio: outcome.roughness,
             by_work: Beside::new(outcome.energy_by_work, put_in),
-            by_compliance: Beside::new(outcome.energy_by_compliance, put_in),
-            by_beam_theory: Beside::new(outcome.energy_by_beam_theory, put_in),
-            by_equivalent_crack: Beside::new(outcome.energy_by_equivalent_crack, put_in),
+            by_compliance: outcome.steady.map(|s| Beside::new(s.by_compliance, put_in)),
+            by_beam_theory: outcome
+                .steady
+                .map(|s| Beside::new(s.by_beam_theory, put_in)),
+            by_equivalent_crack: outcome
+                .steady
+                .map(|s| Beside::new(s.by_equivalent_crack, put_in)),
             compliance_m_per_n: Beside::new(outcome.compliance, theory.compliance(first.crack)),
             maximum_load_n: Beside::new(outcome.maximum.load, theory.load(put_in, first.crack)),
             deflection_at_maximum_load_m: outcome.maximum.deflection,
@@ -186,6 +191,17 @@ impl FractureTestKind {
         match self {
             FractureTestKind::DoubleCantileverBeam => "double cantilever beam (mode I, opening)",
             FractureTestKind::EndNotchedFlexure => "end-notched flexure (mode II, sliding)",
+            FractureTestKind::SingleEdgeNotchedBeam => "single-edge notched beam (mode I, opening)",
+        }
+    }
+}
+
+impl FractureTestKind {
+    /// What its stiffness and largest load stand beside.
+    pub(super) fn theory(self) -> &'static str {
+        match self {
+            FractureTestKind::SingleEdgeNotchedBeam => "sharp crack",
+            _ => "beam theory",
         }
     }
 }
@@ -238,7 +254,7 @@ impl FractureReport {
         )?;
         let length = match self.test {
             FractureTestKind::DoubleCantileverBeam => "mm long",
-            FractureTestKind::EndNotchedFlexure => "mm of span",
+            _ => "mm of span",
         };
         writeln!(
             f,
@@ -260,13 +276,14 @@ impl FractureReport {
 
     /// Writes energies and loads beside what is expected.
     fn fmt_energies(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let mut table = |head: [&str; 2], rows: &[(&str, &Beside, f64)]| {
+        let mut table = |head: [&str; 2], rows: &[(&str, Option<&Beside>, f64)]| {
             writeln!(
                 f,
                 "\n{:42}{:>9}{:>13}{:>12}",
                 head[0], "test", head[1], "deviation"
             )?;
             for (name, beside, scale) in rows {
+                let Some(beside) = beside else { continue };
                 writeln!(
                     f,
                     "{name:42}{:>9.1}{:>13.1}{:>12}",
@@ -277,32 +294,34 @@ impl FractureReport {
             }
             Ok(())
         };
+        let energies = [
+            (
+                "  by dissipated work over area, J/m²",
+                Some(&self.by_work),
+                1.0,
+            ),
+            ("  by P²/(2B) dC/da, J/m²", self.by_compliance.as_ref(), 1.0),
+            (
+                "  by beam theory of a sharp crack, J/m²",
+                self.by_beam_theory.as_ref(),
+                1.0,
+            ),
+            (
+                "  by beam theory and compliance, J/m²",
+                self.by_equivalent_crack.as_ref(),
+                1.0,
+            ),
+        ];
+        table(["energy of fracture", "put in"], &energies)?;
         table(
-            ["energy of fracture", "put in"],
-            &[
-                ("  by dissipated work over area, J/m²", &self.by_work, 1.0),
-                ("  by P²/(2B) dC/da, J/m²", &self.by_compliance, 1.0),
-                (
-                    "  by beam theory of a sharp crack, J/m²",
-                    &self.by_beam_theory,
-                    1.0,
-                ),
-                (
-                    "  by beam theory and compliance, J/m²",
-                    &self.by_equivalent_crack,
-                    1.0,
-                ),
-            ],
-        )?;
-        table(
-            ["", "beam theory"],
+            ["", self.test.theory()],
             &[
                 (
                     "compliance at the start, µm/N",
-                    &self.compliance_m_per_n,
+                    Some(&self.compliance_m_per_n),
                     1e6,
                 ),
-                ("largest load, N", &self.maximum_load_n, 1.0),
+                ("largest load, N", Some(&self.maximum_load_n), 1.0),
             ],
         )
     }

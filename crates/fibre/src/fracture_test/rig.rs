@@ -1,13 +1,11 @@
 //! The specimen on its supports.
-//!
-//! Loads and supports act on the mean displacement of the cross-section of an arm or of the whole, as in beam theory. In
-//! end-notched flexure a support of its own holds each arm, so that they pass each other without friction.
 
-use super::bundle::{ACROSS, ALONG, Division, UP, test_bundle};
+use super::bundle::{ACROSS, Division, test_bundle};
 use super::error::FractureError;
 use super::outcome::FracturePoint;
 use super::section::TestSection;
 use super::specimen::{FractureTest, FractureTestKind, RodArrangement};
+use super::supports::grips;
 use super::theory::BeamTheory;
 use crate::contact::NoContacts;
 use crate::energy::energies;
@@ -17,9 +15,8 @@ use crate::failure::demand::largest_demand;
 use crate::failure::{BondCriterion, FailureCriteria};
 use crate::loads::{Clamp, Motion};
 use crate::placement::WoodMaterial;
-use crate::solvers::{Grip, QuasiStatic};
+use crate::solvers::QuasiStatic;
 use crate::world::World;
-use glam::DVec3;
 use greenstick_geometry::Context;
 
 /// Stiffness of the grips' springs over that of the specimen.
@@ -57,7 +54,7 @@ impl Rig {
         let slices = test.width / section.width;
         let theory = BeamTheory::new(test, wood);
         let stiffness = GRIP_STIFFNESS_RATIO / (theory.compliance(test.crack) * slices);
-        let grips = grips(test.kind, &section, &division, stiffness);
+        let grips = grips(test, &section, &division, stiffness);
         let held = match test.arrangement {
             RodArrangement::Layers => (0..bundle.vertices() as u32).collect(),
             RodArrangement::Scattered => {
@@ -109,6 +106,9 @@ impl Rig {
             FractureTestKind::EndNotchedFlexure => {
                 let notched = 0.5 * (moved[1] + moved[2]);
                 (moved[0] - 0.5 * (notched + moved[3]), forces[0])
+            }
+            FractureTestKind::SingleEdgeNotchedBeam => {
+                (moved[0] - 0.5 * (moved[1] + moved[2]), forces[0])
             }
         };
         let load = force * self.slices;
@@ -223,40 +223,5 @@ impl FacetDamage {
             crack,
             zone_end: (self.last_damaged as f64 * division.edge).max(crack),
         }
-    }
-}
-
-/// Returns the grips of a test. Their time is the opening or deflection, m.
-fn grips(
-    kind: FractureTestKind,
-    section: &TestSection,
-    division: &Division,
-    stiffness: f64,
-) -> Vec<Grip> {
-    let grip = |rods: &[usize], at: usize, direction: DVec3, speed: f64| Grip {
-        vertices: division.vertices(rods, at),
-        weights: rods.iter().map(|&r| section.rods[r].area).collect(),
-        direction,
-        stiffness,
-        speed,
-    };
-    let (above, below) = (section.arm(true), section.arm(false));
-    let all: Vec<usize> = (0..section.rods.len()).collect();
-    let (up, along) = (DVec3::AXES[UP], DVec3::AXES[ALONG]);
-    let end = division.edges;
-    match kind {
-        FractureTestKind::DoubleCantileverBeam => vec![
-            grip(&above, 0, up, 0.5),
-            grip(&below, 0, -up, 0.5),
-            grip(&all, end, up, 0.0),
-            grip(&all, end, along, 0.0),
-        ],
-        FractureTestKind::EndNotchedFlexure => vec![
-            grip(&all, end / 2, -up, 1.0),
-            grip(&above, 0, -up, 0.0),
-            grip(&below, 0, -up, 0.0),
-            grip(&all, end, -up, 0.0),
-            grip(&all, end, along, 0.0),
-        ],
     }
 }

@@ -12,6 +12,10 @@ use greenstick_geometry::Context;
 const STEPS_TO_GROWTH: f64 = 20.0;
 /// The test ends at this multiple of beam theory's deflection at the end of the growth.
 const MAX_DEFLECTION_RATIO: f64 = 3.0;
+/// A notched beam is broken through when it bears this fraction of its largest load. It is given up at this multiple of the
+/// deflection at which the crack of beam theory begins to grow.
+const REST_LOAD: f64 = 0.01;
+const MAX_NOTCHED_DEFLECTION_RATIO: f64 = 60.0;
 /// Fraction of the work that is done when the crack begins to grow. It serves only the progress.
 const PROGRESS_AT_GROWTH: f64 = 0.3;
 
@@ -34,14 +38,17 @@ impl FractureTest {
         let onset = deflection(start);
         let elastic_step = onset / STEPS_TO_GROWTH;
         let growth_step = elastic_step.min(onset * self.steady_step() * edge / start);
-        let farthest = MAX_DEFLECTION_RATIO * deflection(start + self.growth).max(onset);
+        let farthest = match self.kind {
+            FractureTestKind::SingleEdgeNotchedBeam => MAX_NOTCHED_DEFLECTION_RATIO * onset,
+            _ => MAX_DEFLECTION_RATIO * deflection(start + self.growth).max(onset),
+        };
         let mut last = FracturePoint {
             crack: start,
             zone_end: start,
             ..FracturePoint::default()
         };
-        let mut points = vec![last];
-        while last.crack < start + self.growth && last.deflection < farthest {
+        let (mut points, mut maximum) = (vec![last], last);
+        while !self.is_over(&last, &maximum, start) && last.deflection < farthest {
             let grown = ((last.crack - start) / self.growth).min(1.0);
             let loaded = (last.deflection / onset).min(1.0);
             let rest = 1.0 - PROGRESS_AT_GROWTH;
@@ -51,6 +58,9 @@ impl FractureTest {
             let target = rig.world.state.time + step;
             last = rig.advance(&last, target, context)?;
             points.push(last);
+            if last.load > maximum.load {
+                maximum = last;
+            }
         }
         let evaluation = Evaluation::new(self, &theory, &points, start)?;
         Ok(FractureOutcome {
@@ -58,9 +68,7 @@ impl FractureTest {
             put_in,
             roughness: rig.section.roughness(),
             energy_by_work: evaluation.energy_by_work,
-            energy_by_compliance: evaluation.energy_by_compliance,
-            energy_by_beam_theory: evaluation.energy_by_beam_theory,
-            energy_by_equivalent_crack: evaluation.energy_by_equivalent_crack,
+            steady: evaluation.steady,
             compliance: evaluation.compliance,
             maximum: evaluation.maximum,
             process_zone: evaluation.process_zone,
@@ -71,6 +79,21 @@ impl FractureTest {
         })
     }
 
+    /// Whether the test is over at the last point of those of which one has the largest load. `start` is the crack at the start, m.
+    pub(super) fn is_over(
+        &self,
+        last: &FracturePoint,
+        maximum: &FracturePoint,
+        start: f64,
+    ) -> bool {
+        match self.kind {
+            FractureTestKind::SingleEdgeNotchedBeam => {
+                last.crack > start && last.load <= REST_LOAD * maximum.load
+            }
+            _ => last.crack >= start + self.growth,
+        }
+    }
+
     /// Returns the relative change of deflection that lets the crack grow by about half of its relative change.
     fn steady_step(&self) -> f64 {
         match self.kind {
@@ -78,14 +101,15 @@ impl FractureTest {
             FractureTestKind::DoubleCantileverBeam => 1.0,
             // It hardly grows where the crack begins to be stable.
             FractureTestKind::EndNotchedFlexure => 0.4,
+            FractureTestKind::SingleEdgeNotchedBeam => 1.0,
         }
     }
 
     /// Returns the energy of fracture that the wood has in the mode of the test, J/m².
     fn energy_put_in(&self, wood: &WoodMaterial) -> f64 {
         match self.kind {
-            FractureTestKind::DoubleCantileverBeam => wood.fracture_energy,
             FractureTestKind::EndNotchedFlexure => wood.shear_fracture_energy(),
+            _ => wood.fracture_energy,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The cross-section of a specimen as rods: their cells, and the facets between them.
 
-use super::specimen::{FractureTest, RodArrangement};
+use super::specimen::{FractureTest, FractureTestKind, RodArrangement};
 use crate::placement::{VoronoiCell, poisson_disk, voronoi_cells};
 use glam::DVec2;
 use greenstick_geometry::{Cancelled, Context};
@@ -9,6 +9,11 @@ use greenstick_geometry::{Cancelled, Context};
 const LLOYD_ITERATIONS: usize = 3;
 /// Facets narrower than this fraction of the distance of their rods get no bond.
 const MIN_RELATIVE_WIDTH: f64 = 1e-3;
+
+/// Layers of a notched beam become thicker by this factor from one to the next, up to the distance of rods; at the crack they have
+/// this part of it.
+const LAYER_GROWTH: f64 = 1.5;
+const THINNEST_LAYER: f64 = 4.0;
 
 /// A rod of the section.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,27 +44,33 @@ pub(super) struct TestSection {
 impl TestSection {
     pub fn new(test: &FractureTest, context: &Context) -> Result<Self, Cancelled> {
         match test.arrangement {
-            RodArrangement::Layers => Ok(TestSection::layers(test)),
+            RodArrangement::Layers => Ok(TestSection::layers(test, &arm_layers(test))),
             RodArrangement::Scattered => TestSection::scattered(test, context),
         }
     }
 
-    /// Layers of square cells. As nothing changes across the width, one rod of each is enough.
-    fn layers(test: &FractureTest) -> Self {
-        let count = 2 * (test.arm() / test.spacing).round().max(1.0) as usize;
-        let side = test.height / count as f64;
-        let rod = |layer: usize| SectionRod {
-            position: DVec2::Y * ((layer as f64 + 0.5) * side - test.arm()),
-            area: side * side,
+    /// Layers as high as those of an arm, given from the plane on, in a slice as wide as the last is high. As nothing changes across
+    /// the width, one rod of each is enough.
+    fn layers(test: &FractureTest, arm: &[f64]) -> Self {
+        let width = arm.last().copied().unwrap_or(test.arm());
+        let mut bottom = -test.arm();
+        let mut rod = |&height: &f64| {
+            let position = DVec2::Y * (bottom + 0.5 * height);
+            bottom += height;
+            SectionRod {
+                position,
+                area: width * height,
+            }
         };
+        let rods: Vec<SectionRod> = arm.iter().rev().chain(arm).map(&mut rod).collect();
         let facet = |below: usize| SectionFacet {
             rods: [below, below + 1],
-            width: side,
+            width,
         };
         TestSection {
-            rods: (0..count).map(rod).collect(),
-            facets: (0..count - 1).map(facet).collect(),
-            width: side,
+            facets: (0..rods.len() - 1).map(facet).collect(),
+            rods,
+            width,
         }
     }
 
@@ -113,4 +124,23 @@ impl TestSection {
         let crossed = self.facets.iter().filter(|f| self.is_crossed(f.rods));
         crossed.map(|f| f.width).sum::<f64>() / self.width
     }
+}
+
+/// Returns the heights of the layers of an arm, from the crack's plane on, m. The halves of a notched beam turn against each other
+/// by some degrees, which bonds between rods far apart take for sliding: there layers are thin.
+fn arm_layers(test: &FractureTest) -> Vec<f64> {
+    let arm = test.arm();
+    if test.kind != FractureTestKind::SingleEdgeNotchedBeam {
+        let count = (arm / test.spacing).round().max(1.0);
+        return vec![arm / count; count as usize];
+    }
+    let (mut layers, mut sum) = (Vec::new(), 0.0);
+    let mut height = test.spacing / THINNEST_LAYER;
+    while sum < arm * (1.0 - 1e-9) {
+        layers.push(height);
+        sum += height;
+        height = (LAYER_GROWTH * height).min(test.spacing);
+    }
+    layers.iter_mut().for_each(|h| *h *= arm / sum);
+    layers
 }

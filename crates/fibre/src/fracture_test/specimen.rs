@@ -12,6 +12,9 @@ greenstick_schema::choices! {
         DoubleCantileverBeam = "double-cantilever-beam",
         /// A beam with a crack in its middle plane is bent over two supports: sliding along the grain, mode II.
         EndNotchedFlexure = "end-notched-flexure",
+        /// A beam whose middle block stands upright is notched from below and bent over two supports until it is broken through:
+        /// opening along the grain, mode I.
+        SingleEdgeNotchedBeam = "single-edge-notched-beam",
     }
     /// The system of a crack along the grain: the direction of its normal, and L, in which it runs.
     pub enum CrackSystem {
@@ -54,6 +57,10 @@ impl CrackSystem {
 /// *Journal of Composite Materials* 20).
 pub(super) const MIN_SLIDING_CRACK_RATIO: f64 = 0.7;
 
+/// Least and greatest notch of a single-edge notched beam over its height: a shorter crack runs by itself, a longer one leaves no
+/// ligament in which it could grow.
+const NOTCH_RATIOS: (f64, f64) = (0.5, 0.8);
+
 /// A fracture test of a specimen whose crack lies in its middle plane along the grain. The default is that of
 /// [`super::FractureParameters`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -62,14 +69,14 @@ pub struct FractureTest {
     pub kind: FractureTestKind,
     /// Width B, m.
     pub width: f64,
-    /// Height of the specimen, twice that of an arm, m.
+    /// Height of the specimen, twice that of an arm, m. The upright block of a single-edge notched beam is as long as high.
     pub height: f64,
-    /// Length from the line of the load (double cantilever beam) or the support at the crack (end-notched flexure) to the other
-    /// end or support, m.
+    /// Length from the line of the load (double cantilever beam) to the other end, or from support to support, m.
     pub length: f64,
-    /// Length of the crack at the start from the same line, m.
+    /// Length of the crack at the start from the line of the load, from the support at the crack (end-notched flexure) or from below
+    /// (single-edge notched beam), m.
     pub crack: f64,
-    /// The test ends when the crack has grown by this much, m.
+    /// The test ends when the crack has grown by this much, m: in a single-edge notched beam through the whole ligament.
     pub growth: f64,
     /// Normal of the crack.
     pub system: CrackSystem,
@@ -92,12 +99,21 @@ impl FractureTest {
         0.5 * self.height
     }
 
+    /// Returns the length of rods, m.
+    pub(super) fn grain_length(&self) -> f64 {
+        match self.kind {
+            FractureTestKind::SingleEdgeNotchedBeam => self.height,
+            _ => self.length,
+        }
+    }
+
     /// Returns the length to which the crack may grow, m: the end, or the load in the middle, beyond which it slides the other
     /// way.
     pub(super) fn farthest_crack(&self) -> f64 {
         match self.kind {
             FractureTestKind::DoubleCantileverBeam => self.length,
             FractureTestKind::EndNotchedFlexure => 0.5 * self.length,
+            FractureTestKind::SingleEdgeNotchedBeam => self.height,
         }
     }
 
@@ -106,7 +122,12 @@ impl FractureTest {
     /// # Errors
     /// [`FractureError::Value`] or [`FractureError::TooFine`] for the first number out of range.
     pub fn check(&self) -> Result<(), FractureError> {
-        for (what, value, valid, right) in self.positive().into_iter().chain(self.relations()) {
+        let relations = match self.kind {
+            FractureTestKind::SingleEdgeNotchedBeam => self.notch_relations().to_vec(),
+            _ => self.crack_relations().to_vec(),
+        };
+        let all = (self.positive().into_iter().chain(relations)).chain(self.model_relations());
+        for (what, value, valid, right) in all {
             if !valid {
                 return Err(FractureError::Value { what, value, right });
             }
@@ -116,7 +137,7 @@ impl FractureTest {
             RodArrangement::Scattered => self.width,
         };
         let rods = self.height * across / (self.spacing * self.spacing);
-        let sections = self.length / self.edge;
+        let sections = self.grain_length() / self.edge;
         let gigabytes = matrix_gigabytes(rods, sections);
         if gigabytes > MAX_MATRIX_GIGABYTES {
             return Err(FractureError::TooFine {
@@ -146,15 +167,11 @@ impl FractureTest {
         })
     }
 
-    /// Relations between values.
-    fn relations(&self) -> [Check; 6] {
+    /// Relations between the lengths of a specimen whose crack runs along it.
+    fn crack_relations(&self) -> [Check; 3] {
         let slides = self.kind == FractureTestKind::EndNotchedFlexure;
         let least = MIN_SLIDING_CRACK_RATIO * 0.5 * self.length * (1.0 - 1e-9);
         let end = self.crack + self.growth;
-        let smallest = match self.arrangement {
-            RodArrangement::Layers => self.arm(),
-            RodArrangement::Scattered => self.arm().min(self.width),
-        };
         [
             (
                 "the crack's length (m)",
@@ -178,6 +195,42 @@ impl FractureTest {
                     "at least half the specimen's height before the specimen's end"
                 },
             ),
+        ]
+    }
+
+    /// Relations between the lengths of a notched beam.
+    fn notch_relations(&self) -> [Check; 3] {
+        let (least, most) = NOTCH_RATIOS;
+        let notch = self.crack / self.height;
+        [
+            (
+                "the distance of the supports (m)",
+                self.length,
+                self.length >= 2.0 * self.height,
+                "at least twice the specimen's height, as long as which its upright block is",
+            ),
+            (
+                "the notch (m)",
+                self.crack,
+                (least - 1e-9..=most + 1e-9).contains(&notch),
+                "0.5 to 0.8 of the specimen's height",
+            ),
+            (
+                "the crack's growth (m)",
+                self.growth,
+                (self.crack + self.growth - self.height).abs() <= 1e-9 * self.height,
+                "the specimen's height less the notch: the beam breaks as a whole",
+            ),
+        ]
+    }
+
+    /// Relations between the model and the specimen.
+    fn model_relations(&self) -> [Check; 3] {
+        let smallest = match self.arrangement {
+            RodArrangement::Layers => self.arm(),
+            RodArrangement::Scattered => self.arm().min(self.width),
+        };
+        [
             (
                 "the distance between rods (m)",
                 self.spacing,
@@ -193,8 +246,8 @@ impl FractureTest {
             (
                 "the longest edge (m)",
                 self.edge,
-                self.edge >= self.length / 20_000.0,
-                "at least a 20,000th of the length",
+                self.edge >= self.grain_length() / 20_000.0,
+                "at least a 20,000th of the length along the grain",
             ),
         ]
     }

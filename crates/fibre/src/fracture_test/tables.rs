@@ -1,11 +1,14 @@
 //! Fracture tests as tables and curves.
 
 use super::species::FractureTested;
+use super::specimen::FractureTestKind;
 use crate::curve::Curve;
 use std::fmt::Write;
 
 const LOAD_HEADER: &str = "deflection_m,load_N,compliance_m_per_N,crack_m,process_zone_end_m,work_J,stored_J,dissipated_J,\
 dissipated_by_bonds_J,beam_theory_energy_release_rate_J_per_m2,bonds_broken\n";
+/// Part of the ligament in which it is drawn: at the end the deflection is infinite.
+const DRAWN_LIGAMENT: f64 = 0.8;
 /// Points of the curve of beam theory while the crack grows.
 const THEORY_POINTS: usize = 40;
 
@@ -14,6 +17,12 @@ impl FractureTested {
     pub fn load_table(&self) -> String {
         let mut text = LOAD_HEADER.to_owned();
         for p in &self.outcome.points {
+            let rate = self.theory.energy_release_rate(p.load, p.crack);
+            let rate = if rate.is_finite() {
+                rate.to_string()
+            } else {
+                String::new()
+            };
             let compliance = if p.load > 0.0 {
                 (p.deflection / p.load).to_string()
             } else {
@@ -30,7 +39,7 @@ impl FractureTested {
                 p.stored,
                 p.dissipated(),
                 p.dissipated_by_bonds,
-                self.theory.energy_release_rate(p.load, p.crack),
+                rate,
                 p.bonds_broken
             );
         }
@@ -45,9 +54,13 @@ impl FractureTested {
             .map(|p| [1e3 * p.deflection, p.load])
             .collect();
         let start = points.first().map_or(self.test.crack, |p| p.crack);
+        let growth = match self.test.kind {
+            FractureTestKind::SingleEdgeNotchedBeam => DRAWN_LIGAMENT * (self.test.height - start),
+            _ => self.test.growth,
+        };
         let energy = self.report.put_in_j_per_m2;
         let growing = (0..=THEORY_POINTS).map(|k| {
-            let crack = start + self.test.growth * k as f64 / THEORY_POINTS as f64;
+            let crack = start + growth * k as f64 / THEORY_POINTS as f64;
             let load = self.theory.load(energy, crack);
             [1e3 * load * self.theory.compliance(crack), load]
         });
@@ -58,7 +71,7 @@ impl FractureTested {
         vec![
             curve("test", path),
             curve(
-                "beam theory",
+                self.test.kind.theory(),
                 [[0.0, 0.0]].into_iter().chain(growing).collect(),
             ),
         ]

@@ -219,8 +219,7 @@ impl Balance {
         for g in &self.grips {
             let force = g.force(bundle, state, problem.time);
             for held in &g.vertices {
-                let share = g.direction * (force * held.weight);
-                forces.linear.add(held.vertex as usize, share);
+                (forces.linear).add(held.vertex as usize, held.weight * force);
             }
         }
         if let Some(inertia) = problem.inertia {

@@ -10,7 +10,7 @@
 //! | `buckling` | [`Buckling`]: the load at which an equilibrium stops being stable |
 //! | `newton` | Newton's method on all energies, loads and inertia, with yielding and grips; `balance`: its unbalanced forces |
 //! | `limit_step` | limits Newton steps |
-//! | `grip` | `Grip`: springs on the mean displacement of some vertices |
+//! | `grip` | `Grip`: springs on weighted sums of displacements |
 //! | `linear` | linear systems of a Newton step |
 
 mod balance;

@@ -231,7 +231,7 @@ impl Newton {
         grips.map(|g| g.force(bundle, state, time)).collect()
     }
 
-    /// Returns the mean displacements of what the grips hold, m.
+    /// Returns the displacements on which the grips act, m.
     pub fn grip_displacements(&self, bundle: &RodBundle, state: &State) -> Vec<f64> {
         let grips = self.balance.grips.iter();
         grips.map(|g| g.displacement(bundle, state)).collect()

@@ -111,7 +111,7 @@ impl QuasiStatic {
             .grip_forces(&world.bundle, &world.state, world.state.time)
     }
 
-    /// Returns the mean displacements of what the grips hold, m.
+    /// Returns the displacements on which the grips act, m.
     pub(crate) fn grip_displacements(&mut self, world: &World) -> Vec<f64> {
         self.newton.prepare(&world.bundle, &self.grips);
         self.newton.grip_displacements(&world.bundle, &world.state)

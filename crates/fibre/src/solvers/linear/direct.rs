@@ -311,8 +311,7 @@ impl DirectSolver {
                     let i = self.row(a.vertex as usize, r);
                     let j = self.row(b.vertex as usize, c);
                     if j <= i {
-                        let along = grip.direction[r] * grip.direction[c];
-                        let entry = grip.stiffness * a.weight * b.weight * along;
+                        let entry = grip.stiffness * a.weight[r] * b.weight[c];
                         self.matrix.add(i, j, entry);
                     }
                 }
