@@ -79,7 +79,9 @@ fn halves_of_a_bent_limb_slide_out_of_each_other() {
             separation,
             ..Break::default()
         };
-        (one.recipe.face.slab_height, one.recipe.face.slab_count) = (4.0, 12);
+        let face = &mut one.recipe.face;
+        (face.slab_height, face.slab_count) = (4.0, 12);
+        (face.splinter_lean, face.splinter_snap) = (0.0, 0.0);
         BreakRequest {
             texture_width: 16,
             ..BreakRequest::single(one)

@@ -141,7 +141,7 @@ fn frayed(
 /// Makes the splinters of both halves lean, and returns how they do.
 fn lean(stages: &BreakStages, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport; 2]> {
     let p = &stages.stem.face;
-    if p.splinter_lean == 0.0 || p.surface == SurfaceStyle::Smooth {
+    if (p.splinter_lean == 0.0 && p.splinter_snap == 0.0) || p.surface == SurfaceStyle::Smooth {
         return None;
     }
     let stem = stages.stem.stem();
@@ -153,6 +153,7 @@ fn lean(stages: &BreakStages, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport
             cells: stages.layout.bundles.bundles.len(),
             upper,
             degrees: p.splinter_lean,
+            snapped: p.splinter_snap,
             seed: p.seed,
         }
         .bend(mesh);
