@@ -56,7 +56,7 @@ const BRITTLE_STEPS: (f64, f64) = (0.18, 0.34);
 
 /// How much of the steps between bundles runs out on the slant where brittle wood broke: least and greatest share, and how often
 /// that changes over a radius.
-const SLANTED: (f64, f64) = (0.1, 0.85);
+const SLANTED: (f64, f64) = (0.05, 0.75);
 const SLANTED_PATCHES: f64 = 3.5;
 
 /// Lets steps between the bundles of brittle wood run out on the slant, here more and there less, so that their edges are no walls
@@ -80,7 +80,7 @@ pub(crate) fn even_out(
     for (height, node) in heights.iter_mut().zip(nodes) {
         let (sum, of) = sums[node.node as usize][kind(node)];
         let patch = noise::gradient_2d(seed + (9 << 40), at(node.node) * SLANTED_PATCHES);
-        let share = least + (most - least) * noise::smoothstep(-0.35, 0.2, patch);
+        let share = least + (most - least) * noise::smoothstep(-0.1, 0.35, patch);
         *height += brittle * share * (sum / of - *height);
     }
 }

@@ -27,10 +27,10 @@ pub(crate) struct Strips {
 /// Plates of bark beside each other in a strip, on average.
 const PLATES: usize = 3;
 /// How much of the outline of a strip a plate has from its middle: it breaks across as one.
-const PLATE_SHARE: f64 = 0.25;
+const PLATE_SHARE: f64 = 0.55;
 /// By how much plates beside each other differ, and by how much one is higher on one side than on the other, at most.
-const PLATE_STEP: f64 = 0.14;
-const PLATE_SLANT: f64 = 0.55;
+const PLATE_STEP: f64 = 0.1;
+const PLATE_SLANT: f64 = 0.3;
 
 impl Strips {
     pub fn new(p: &BreakParameters) -> Strips {
@@ -116,9 +116,9 @@ impl Strips {
         let (sin, cos) = libm::sincos(phi);
         // The angle on a circle, so that the edge closes.
         let on = |scale: f64| DVec2::new(cos, sin) * scale;
-        let ragged = 0.2 * noise::gradient_2d(self.seed + 1, on(5.0))
-            + 0.13 * noise::gradient_2d(self.seed + 2, on(15.0))
-            + 0.12 * noise::gradient_2d(self.seed + 3, on(37.0));
+        let ragged = 0.22 * noise::gradient_2d(self.seed + 1, on(5.0))
+            + 0.1 * noise::gradient_2d(self.seed + 2, on(15.0))
+            + 0.09 * noise::gradient_2d(self.seed + 3, on(37.0));
         let blunt = PLATE_STEP * (own(0) - 0.5) + PLATE_SLANT * (own(1) - 0.5) * across
             - 0.08 * across * across * across * across;
         height + torn * (shape - 0.5) + ragged + blunt
