@@ -72,6 +72,7 @@ class RequestKeys(TypedDict, total=False):
     fibre_height: float | str
     fuzz: float | str
     splinter_lean: float | str
+    splinter_snap: float | str
     step_height: float | str
     split: float | str
     compression_shelf: float | str
@@ -397,9 +398,14 @@ class RequestAttributes:
     def fuzz(self, value: float | str) -> None: ...
     @property
     def splinter_lean(self) -> float:
-        """Mean angle by which slender splinters lean from the grain, each to a side of its own and with a bow of its own, as torn wood springs apart; thick ones lean less. Each half is bent by itself after it was cut: with 0 the halves fit exactly; otherwise splinters lie over each other where the halves are put together, and volumes change by some hundredths of a percent. Unit: degree."""
+        """Mean angle by which slender splinters lean from the grain, each to a side of its own, as torn wood springs apart: not at the root, more and more towards the tip, thick ones less. Each half is bent by itself after it was cut: with 0 here and for `splinter_snap` the halves fit exactly; otherwise splinters lie over each other where the halves are put together, and volumes change by some hundredths of a percent. Unit: degree."""
     @splinter_lean.setter
     def splinter_lean(self, value: float | str) -> None: ...
+    @property
+    def splinter_snap(self) -> float:
+        """Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold. Where there is no room for that, they stay as they are. Unit: fraction."""
+    @splinter_snap.setter
+    def splinter_snap(self, value: float | str) -> None: ...
     @property
     def step_height(self) -> float:
         """Height of the steps between neighbouring rings where the wood breaks brittle. The shear-lag length of the species over the radius is its natural value. Unit: radius."""
@@ -478,8 +484,8 @@ class RequestAttributes:
         "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
         "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
         "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
-        "splinter_lean", "step_height", "split", "compression_shelf", "compression_height", "bark_offset",
-        "bark_height", "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency",
+        "splinter_lean", "splinter_snap", "step_height", "split", "compression_shelf", "compression_height",
+        "bark_offset", "bark_height", "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency",
         "pith.white_noise_amplitude", "pith.thorn_length", "pith.thorn_probability",
         "heartwood.perlin_amplitude", "heartwood.perlin_frequency", "heartwood.white_noise_amplitude",
         "heartwood.thorn_length", "heartwood.thorn_probability", "sapwood.perlin_amplitude",
@@ -576,8 +582,8 @@ class RequestAttributes:
         "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
         "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
         "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
-        "splinter_lean", "step_height", "split", "compression_shelf", "compression_height", "bark_offset",
-        "bark_height", "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency",
+        "splinter_lean", "splinter_snap", "step_height", "split", "compression_shelf", "compression_height",
+        "bark_offset", "bark_height", "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency",
         "pith.white_noise_amplitude", "pith.thorn_length", "pith.thorn_probability",
         "heartwood.perlin_amplitude", "heartwood.perlin_frequency", "heartwood.white_noise_amplitude",
         "heartwood.thorn_length", "heartwood.thorn_probability", "sapwood.perlin_amplitude",

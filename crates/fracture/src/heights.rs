@@ -5,10 +5,11 @@
 use crate::ends::TornEnds;
 pub use crate::field::{CellFailure, FailureMode, HeightField, HeightFieldError, grid_middle};
 pub use crate::height_model::{BreakSite, Heights, Thorn};
-use crate::height_model::{HeightModel, NoiseSamplers};
+use crate::height_model::{HeightModel, NoiseSamplers, purpose};
 use crate::layout::{FibreBundles, InnerEdge, wrap_angle};
 use crate::limit::place_heights;
 use crate::parameters::{BreakParameters, SurfaceStyle as Kind, ZoneParameters};
+use crate::plates::{brittleness, even_out};
 pub use crate::slabs::SectionSpan;
 use crate::surface::SectionLayout;
 use crate::thorns::add_thorns;
@@ -331,8 +332,21 @@ fn fibrous_rims(
         })
         .collect();
     let rims = torn.ends.nodes.iter();
-    let heights = rims
+    let mut heights: Vec<f64> = rims
         .map(|rim| torn.node_height(&levels[rim.cell as usize], rim, &noise.nodes))
         .collect();
+    let brittle = brittleness(maker.p);
+    if brittle > 0.0 {
+        let at =
+            |node: u32| (bundles.layout.nodes[node as usize] - torn.ends.pith) / maker.site.radius;
+        let seed = maker.seed(purpose::PLATE);
+        even_out(
+            &mut heights,
+            &torn.ends.nodes,
+            (&bundles.bundles, &at),
+            brittle,
+            seed,
+        );
+    }
     (heights, torn.ends, thorns)
 }

@@ -27,7 +27,10 @@ pub(crate) struct Strips {
 /// Plates of bark beside each other in a strip, on average.
 const PLATES: usize = 3;
 /// How much of the outline of a strip a plate has from its middle: it breaks across as one.
-const PLATE_SHARE: f64 = 0.7;
+const PLATE_SHARE: f64 = 0.55;
+/// By how much plates beside each other differ, and by how much one is higher on one side than on the other, at most.
+const PLATE_STEP: f64 = 0.1;
+const PLATE_SLANT: f64 = 0.3;
 
 impl Strips {
     pub fn new(p: &BreakParameters) -> Strips {
@@ -114,9 +117,9 @@ impl Strips {
         // The angle on a circle, so that the edge closes.
         let on = |scale: f64| DVec2::new(cos, sin) * scale;
         let ragged = 0.22 * noise::gradient_2d(self.seed + 1, on(5.0))
-            + 0.09 * noise::gradient_2d(self.seed + 2, on(17.0))
-            + 0.07 * noise::gradient_2d(self.seed + 3, on(41.0));
-        let blunt = 0.16 * (own(0) - 0.5) + 0.14 * (own(1) - 0.5) * across
+            + 0.1 * noise::gradient_2d(self.seed + 2, on(15.0))
+            + 0.09 * noise::gradient_2d(self.seed + 3, on(37.0));
+        let blunt = PLATE_STEP * (own(0) - 0.5) + PLATE_SLANT * (own(1) - 0.5) * across
             - 0.08 * across * across * across * across;
         height + torn * (shape - 0.5) + ragged + blunt
     }
@@ -170,5 +173,33 @@ mod tests {
             assert!((width - true_width).abs() < 2.0 * step, "{plate}");
         }
         assert!(jumps > strips.count(), "{jumps}");
+    }
+
+    /// The rim of torn bark climbs along slanted edges rather than in sheer steps from plate to plate, like bricks.
+    #[test]
+    fn bark_tears_on_the_slant() {
+        let (mut sheer, mut slanted) = (0.0, 0.0);
+        for seed in 0..20 {
+            let strips = Strips::new(&BreakParameters {
+                seed,
+                ..BreakParameters::default()
+            });
+            const STEPS: i32 = 7200;
+            let at = |i: i32| {
+                let phi = TAU * f64::from(i) / f64::from(STEPS);
+                let (strip, plate) = (strips.find(phi), strips.plate(phi));
+                (strip, plate, strips.edge((strip, plate), phi))
+            };
+            for i in 0..STEPS {
+                let ((strip, plate, height), (next_strip, next_plate, next)) = (at(i), at(i + 1));
+                match (strip == next_strip, plate == next_plate) {
+                    (true, true) => slanted += (next - height).abs(),
+                    (true, false) => sheer += (next - height).abs(),
+                    // Strips come off by themselves.
+                    _ => (),
+                }
+            }
+        }
+        assert!(slanted > 2.5 * sheer, "{slanted} {sheer}");
     }
 }

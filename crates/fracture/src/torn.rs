@@ -95,8 +95,11 @@ const LAYER_SHARE: f64 = 0.6;
 /// Width of the folds of crushed wood, radii, at most: with the usual heights their sides lie at 45° to 60° to the grain.
 const FOLD_WIDTH: f64 = 0.17;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
-const FOLD_HEIGHT: f64 = 1.5;
-const CRUSHED_ROUGHNESS: f64 = 0.4;
+const FOLD_HEIGHT: f64 = 1.9;
+const CRUSHED_ROUGHNESS: f64 = 0.25;
+/// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
+const CRUSHED_PARTS: f64 = 0.4;
+const CRUSHED_BUNDLES: f64 = 0.06;
 /// Part of a fold's width over which it rises: fibres lean over to one side and break off on the other.
 const FOLD_RISE: f64 = 0.72;
 /// Depth of the deepest clefts between slivers over the heights by which slabs and slivers differ.
@@ -326,8 +329,8 @@ impl<'a> TornRelief<'a> {
         let [drop, fork] = end.fork_random;
         let fork =
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
-        let crushed =
-            p.compression_height * (0.8 * heavy(drop) + 0.15 * heavy(end.crushed_random[0]));
+        let crushed = p.compression_height
+            * (CRUSHED_PARTS * heavy(drop) + CRUSHED_BUNDLES * heavy(end.crushed_random[0]));
         let slant = slab.slant * (torn * relief * p.slab_height);
         let torn_height = relief * p.slab_height * slab_height
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)

@@ -89,10 +89,14 @@ parameters! {
             /// Strands of torn fibre on the broken face, along the sides of its splinters and on their edges: 0 none, 1 as many
             /// as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out.
             fuzz: f64 = 0.5, number(Fraction, 0.0, 1.0);
-            /// Mean angle by which slender splinters lean from the grain, each to a side of its own and with a bow of its own, as torn
-            /// wood springs apart; thick ones lean less. Each half is bent by itself after it was cut: with 0 the halves fit exactly; otherwise
-            /// splinters lie over each other where the halves are put together, and volumes change by some hundredths of a percent.
-            splinter_lean: f64 = 0.0, number(Degree, 0.0, 20.0);
+            /// Mean angle by which slender splinters lean from the grain, each to a side of its own, as torn wood springs apart: not at
+            /// the root, more and more towards the tip, thick ones less. Each half is bent by itself after it was cut: with 0 here and
+            /// for `splinter_snap` the halves fit exactly; otherwise splinters lie over each other where the halves are put together,
+            /// and volumes change by some hundredths of a percent.
+            splinter_lean: f64 = 8.0, number(Degree, 0.0, 20.0);
+            /// Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold.
+            /// Where there is no room for that, they stay as they are.
+            splinter_snap: f64 = 0.1, number(Fraction, 0.0, 1.0);
             /// Height of the steps between neighbouring rings where the wood breaks brittle. The
             /// shear-lag length of the species over the radius is its natural value.
             step_height: f64 = 0.15, number(Radius, 0.0, 20.0);

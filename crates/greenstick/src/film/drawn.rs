@@ -1,12 +1,12 @@
 //! Films of the faces that a run decided.
 
 use super::error::FilmError;
+use crate::Error;
 use crate::pictures::picture_of_moved_break;
 use crate::session::Broken;
 use crate::simulated_faces::{
     PartlyBroken, SimulatedFaceReport, SimulatedFacesError, faces_of_wood,
 };
-use crate::{Break, Error};
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
 use greenstick_skin::film::{DrawnScene, FilmOptions, Run, SkinnedFilm};
@@ -47,7 +47,8 @@ pub fn film_of_faces(
     for one in &mut faces.request.breaks {
         // Pieces are where they were before anything moved.
         (one.separation, one.fray, one.recipe.face.fuzz) = (0.0, 0.0, 0.0);
-        one.recipe.face.hang = Break::default().recipe.face.hang;
+        let face = &mut one.recipe.face;
+        (face.hang, face.splinter_lean, face.splinter_snap) = (0.0, 0.0, 0.0);
     }
     let broken = faces.broken(&cutting).map_err(|error| match error {
         Error::Cancelled(cancelled) => SimulatedFacesError::Cancelled(cancelled),

@@ -71,10 +71,12 @@ fn shared(a: &Solid, b: &Solid) -> f64 {
     found as f64 * STEP.powi(3)
 }
 
-/// Long splinters, whatever the seed makes of them.
+/// Long splinters, whatever the seed makes of them, that fit.
 fn long_splinters() -> Break {
     let mut one = Break::default();
-    (one.recipe.face.slab_height, one.recipe.face.slab_count) = (4.0, 12);
+    let face = &mut one.recipe.face;
+    (face.slab_height, face.slab_count) = (4.0, 12);
+    (face.splinter_lean, face.splinter_snap) = (0.0, 0.0);
     one
 }
 

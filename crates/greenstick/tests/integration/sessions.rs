@@ -247,6 +247,8 @@ fn several(places: &[f64]) -> BreakRequest {
             "sectors=16",
             "slab_height=0.3",
             "sliver_height=0.2",
+            "splinter_lean=0",
+            "splinter_snap=0",
         ]);
         change(&mut one, &[&format!("seed={i}")]);
         Break {

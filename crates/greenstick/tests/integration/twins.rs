@@ -16,7 +16,10 @@ fn at(places: &[StemLocation]) -> BreakRequest {
             place,
             ..Break::default()
         };
-        (one.recipe.face.rings, one.recipe.face.sectors) = (10, 24);
+        let face = &mut one.recipe.face;
+        (face.rings, face.sectors) = (10, 24);
+        // Straight splinters: volumes add up.
+        (face.splinter_lean, face.splinter_snap) = (0.0, 0.0);
         one
     };
     BreakRequest {

@@ -157,9 +157,10 @@ impl<'a> Parting<'a> {
     }
 
     /// Returns the way of a break: that which is requested or, if they are to be clear, the shortest beyond it on which the pieces do
-    /// not lie in each other. `turn` is the motion of the upper one before.
-    pub fn way(&self, asked: Separation, pieces: [&Mesh; 2], turn: &DAffine3) -> Parted {
-        let until_clear = asked.until_clear;
+    /// not lie in each other, as they fit before anything bends.
+    pub fn way(&self, asked: Separation, pieces: [&Mesh; 2]) -> Parted {
+        // A piece that hangs on turns clear of the other.
+        let until_clear = asked.until_clear && self.stages.stem.face.hang == 0.0;
         let asked = asked.way;
         if !until_clear || asked == 0.0 {
             return Parted {
@@ -167,7 +168,7 @@ impl<'a> Parting<'a> {
                 note: None,
             };
         }
-        let shared = self.shared(pieces, *turn);
+        let shared = self.shared(pieces);
         let at_first = shared(asked);
         if at_first == 0.0 {
             return Parted {
@@ -220,11 +221,7 @@ impl<'a> Parting<'a> {
     }
 
     /// The volume (m³) that the pieces share at the face, by the way of the upper one.
-    fn shared<'m>(
-        &'m self,
-        [lower, upper]: [&'m Mesh; 2],
-        turn: DAffine3,
-    ) -> impl Fn(f64) -> f64 + 'm {
+    fn shared<'m>(&'m self, [lower, upper]: [&'m Mesh; 2]) -> impl Fn(f64) -> f64 + 'm {
         let prepared = self.stages.stem.stem();
         let stem = &prepared.found.stem;
         let frame = stem.grain.axis().frame(stem.location);
@@ -242,7 +239,7 @@ impl<'a> Parting<'a> {
         };
         let below = face(lower, &transform);
         move |way| {
-            let moved = self.after(way) * turn * transform;
+            let moved = self.after(way) * transform;
             let region = below.intersection(&face(upper, &moved));
             rays.shared_volume([(lower, &transform), (upper, &moved)], &region)
         }

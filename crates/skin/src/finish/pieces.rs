@@ -63,12 +63,13 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     };
     let mut splinters = Vec::new();
     let parting = Parting::new(stages);
+    // Splinters that bend afterwards do not fit, however far the pieces are.
+    let parted = parting.way(options.separation, [&lower, &upper]);
+    notes.extend(parted.note);
     if options.fray > 0.0 {
         let halves = [&lower, &upper];
-        let way = parting
-            .way(options.separation, halves, &DAffine3::IDENTITY)
-            .way;
-        ([lower, upper], splinters) = frayed(stages, (options, way), inner, halves, &mut notes)?;
+        ([lower, upper], splinters) =
+            frayed(stages, (options, parted.way), inner, halves, &mut notes)?;
     }
     let leans = lean(stages, &mut [&mut lower, &mut upper]);
     if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
@@ -83,8 +84,6 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         });
     }
     let turn = turn.unwrap_or_default();
-    let parted = parting.way(options.separation, [&lower, &upper], &turn);
-    notes.extend(parted.note);
     let moved = parting.after(parted.way) * turn;
     let mut meshes = vec![
         (PieceRole::Lower, lower, DAffine3::IDENTITY),
@@ -148,7 +147,7 @@ fn frayed(
 /// Makes the splinters of both halves lean, and returns how they do.
 fn lean(stages: &BreakStages, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport; 2]> {
     let p = &stages.stem.face;
-    if p.splinter_lean == 0.0 || p.surface == SurfaceStyle::Smooth {
+    if (p.splinter_lean == 0.0 && p.splinter_snap == 0.0) || p.surface == SurfaceStyle::Smooth {
         return None;
     }
     let stem = stages.stem.stem();
@@ -160,6 +159,7 @@ fn lean(stages: &BreakStages, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport
             cells: stages.layout.bundles.bundles.len(),
             upper,
             degrees: p.splinter_lean,
+            snapped: p.splinter_snap,
             seed: p.seed,
         }
         .bend(mesh);

@@ -3,7 +3,7 @@
 //! All that stands on a splinter at one height moves as one, so that sections keep their shape and, but for the straight sides
 //! of triangles, their area.
 
-use super::tree::SplinterTree;
+use super::tree::{Branch, SplinterTree};
 use glam::DVec2;
 use greenstick_fracture::surface::NONE;
 use greenstick_wood::noise;
@@ -17,15 +17,26 @@ const LIMP: f64 = 0.035;
 const MIN_LENGTH: f64 = 0.1;
 const MIN_SLENDERNESS: f64 = 1.4;
 /// Factors on the mean lean between which that of splinters lies.
-const LEANS: (f64, f64) = (0.6, 1.4);
-/// How much of the direction in which a splinter leans is away from what it parted from, and how much is chance.
-const APART: f64 = 0.85;
-const CHANCE: f64 = 0.7;
-/// Mean and range of how much more a splinter leans at its tip than in its middle, as a part.
-const BOW: (f64, f64) = (0.2, 0.55);
+const LEANS: (f64, f64) = (0.45, 1.55);
+/// Slenderness (length over the root of the section's area) of a splinter that leans by the mean, the power of it that others lean
+/// by, and the least and greatest factor that it leads to.
+const SLENDERNESS: f64 = 6.0;
+const SLENDERNESS_POWER: f64 = 0.5;
+const SLENDERNESS_FACTORS: (f64, f64) = (0.6, 1.7);
+/// How much of the direction in which a splinter leans is away from what it parted from, how much is outwards, and how much chance.
+const APART: f64 = 0.7;
+const OUTWARDS: f64 = 0.45;
+const CHANCE: f64 = 0.8;
+/// Mean and range of how much more a splinter leans at its tip than in its middle, as a part: it is a cantilever, whose slope grows
+/// from its root on.
+const BOW: (f64, f64) = (0.8, 0.2);
+/// How much a splinter bends to the side of the way in which it leans, as part of its lean.
+const SWAY: f64 = 0.8;
+/// Greatest slope of all splinters that stand on each other together, over that of the mean lean.
+const STEEPEST: f64 = 3.2;
 /// How much of its lean is left to a splinter that crossed others, and how often before it goes with what it grew on.
-const DAMPING: f64 = 0.55;
-const MOST_DAMPED: u8 = 3;
+const DAMPING: f64 = 0.5;
+const MOST_DAMPED: u8 = 2;
 /// In the hash: what random numbers are drawn for.
 const PURPOSE: u64 = 0x1ea4;
 
@@ -34,8 +45,7 @@ pub(super) struct Leans {
     pub tree: SplinterTree,
     /// The branch whose displacement each has: its own, or that which it grew on.
     bends_as: Vec<u32>,
-    /// Tangent of the lean of those that have one, in the middle of their length, and their bow.
-    targets: Vec<(DVec2, f64)>,
+    targets: Vec<Target>,
     /// How often each was damped.
     damped: Vec<u8>,
     /// Displacements (m) at even heights from `low` on.
@@ -44,6 +54,61 @@ pub(super) struct Leans {
     step: f64,
     /// Area of the stem's section, m².
     section: f64,
+    /// Greatest slope.
+    steepest: f64,
+}
+
+/// How a splinter is to lean.
+#[derive(Debug, Clone, Copy, Default)]
+struct Target {
+    /// Tangent of its lean in the middle of its length.
+    lean: DVec2,
+    /// How much larger that is at its tip, as a part.
+    bow: f64,
+    /// Tangent of its sway, and its phase, rad.
+    sway: DVec2,
+    phase: f64,
+}
+
+impl Target {
+    /// Returns the slope at a part of the length, over that at the root.
+    fn slope(&self, along: f64) -> DVec2 {
+        let sway = libm::sin(self.phase + 4.0 * along) - libm::sin(self.phase);
+        self.lean * (1.0 + self.bow * (2.0 * along - 1.0)) + self.sway * (sway * along)
+    }
+}
+
+impl Branch {
+    /// Draws how a splinter is to lean about a mean (degrees) on a stem with a radius and a middle (m).
+    fn target(
+        &self,
+        (radius, middle): (f64, DVec2),
+        degrees: f64,
+        random: impl Fn(i64) -> f64,
+    ) -> Target {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * random(0));
+        let way = self.aside.normalize_or_zero() * APART
+            + (self.middle - middle) * (OUTWARDS / radius)
+            + DVec2::new(cos, sin) * CHANCE;
+        let way = way.normalize_or_zero();
+        let slenderness = self.length() / self.foot_area().sqrt().max(f64::MIN_POSITIVE);
+        let (least, most) = SLENDERNESS_FACTORS;
+        let slender = libm::pow(slenderness / SLENDERNESS, SLENDERNESS_POWER);
+        let slender = if slender.is_finite() {
+            slender.clamp(least, most)
+        } else {
+            1.0
+        };
+        let lean = degrees * (LEANS.0 + (LEANS.1 - LEANS.0) * random(1)) * slender;
+        let tangent = libm::tan(lean.to_radians());
+        let sway = SWAY * tangent * (2.0 * random(3) - 1.0);
+        Target {
+            lean: way * tangent,
+            bow: BOW.0 + BOW.1 * (2.0 * random(2) - 1.0),
+            sway: way.perp() * sway,
+            phase: std::f64::consts::TAU * random(4),
+        }
+    }
 }
 
 /// A splinter's lean.
@@ -57,7 +122,12 @@ pub struct SplinterLean {
 
 impl Leans {
     /// Draws the leans of splinters about a mean (degrees).
-    pub fn new(tree: SplinterTree, radius: f64, degrees: f64, seed: u64) -> Leans {
+    pub fn new(
+        tree: SplinterTree,
+        (radius, middle): (f64, DVec2),
+        degrees: f64,
+        seed: u64,
+    ) -> Leans {
         let cells = tree.branches.len();
         let ends = |pick: fn(f64, f64) -> f64, start: f64| {
             let finite = tree
@@ -74,12 +144,13 @@ impl Leans {
         );
         let mut leans = Leans {
             bends_as: (0..cells as u32).collect(),
-            targets: vec![(DVec2::ZERO, 0.0); cells],
+            targets: vec![Target::default(); cells],
             damped: vec![0; cells],
             tables: vec![Vec::new(); cells],
             low,
             step: ((high - low) / STEPS as f64).max(f64::MIN_POSITIVE),
             section: std::f64::consts::PI * radius * radius,
+            steepest: STEEPEST * libm::tan(degrees.to_radians()),
             tree,
         };
         for i in 0..leans.tree.order.len() {
@@ -91,13 +162,9 @@ impl Leans {
                 leans.bends_as[number as usize] = leans.bends_as[branch.parent as usize];
                 continue;
             }
-            let random = |k: i64| noise::unit(seed ^ PURPOSE << 20, i64::from(number), k, 0);
-            let (sin, cos) = libm::sincos(std::f64::consts::TAU * random(0));
-            let way = branch.aside.normalize_or_zero() * APART + DVec2::new(cos, sin) * CHANCE;
-            let lean = degrees * (LEANS.0 + (LEANS.1 - LEANS.0) * random(1));
-            let tangent = libm::tan(lean.to_radians());
-            let bow = BOW.0 + BOW.1 * (2.0 * random(2) - 1.0);
-            leans.targets[number as usize] = (way.normalize_or_zero() * tangent, bow);
+            leans.targets[number as usize] = branch.target((radius, middle), degrees, |k| {
+                noise::unit(seed ^ PURPOSE << 20, i64::from(number), k, 0)
+            });
         }
         leans.bend();
         leans
@@ -126,7 +193,9 @@ impl Leans {
             n if n >= MOST_DAMPED => 0.0,
             n => (0..n).fold(1.0, |share, _| share * DAMPING),
         };
-        let (target, bow) = self.targets[number];
+        let target = self.targets[number];
+        // The slope of what it stands on, at its root, times a step.
+        let mut root = DVec2::ZERO;
         let mut table = Vec::with_capacity(STEPS + 1);
         let mut at = DVec2::ZERO;
         let mut areas = branch.areas.iter().rev().peekable();
@@ -146,6 +215,7 @@ impl Leans {
             // The next step is a splinter's own only where all of it lies above its foot.
             if height < from {
                 at += carried;
+                root = carried;
                 continue;
             }
             while let Some(&&(until, of)) = areas.peek() {
@@ -156,7 +226,8 @@ impl Leans {
                 areas.next();
             }
             let along = ((height - from) / (branch.to - from).max(self.step)).min(1.0);
-            let own = target * (1.0 + bow * (2.0 * along - 1.0)) * self.step;
+            let own = root + target.slope(along) * self.step;
+            let own = own.clamp_length_max(self.steepest * self.step);
             at += carried + (own - carried) * (share * self.limpness(area));
         }
         table
@@ -166,20 +237,10 @@ impl Leans {
     pub fn at(&self, cell: u32, height: f64) -> (DVec2, DVec2) {
         let branch = self.bends_as[self.tree.branch_at(cell, height) as usize];
         let table = &self.tables[branch as usize];
-        // What lies over a tip goes along with it.
-        let height = height.min(self.tree.branches[branch as usize].to);
         let place = ((height - self.low) / self.step).clamp(0.0, STEPS as f64);
         let k = (place as usize).min(STEPS - 1);
         let (a, b) = (table[k], table[k + 1]);
         (a.lerp(b, place - k as f64), (b - a) / self.step)
-    }
-
-    /// Returns the height up to which nothing moves.
-    pub fn foot(&self) -> f64 {
-        let still = |table: &Vec<DVec2>| table.iter().take_while(|d| **d == DVec2::ZERO).count();
-        let tables = self.tables.iter().filter(|t| !t.is_empty());
-        let least = tables.map(still).min().unwrap_or(STEPS + 1);
-        self.low + self.step * (least.max(1) - 1) as f64
     }
 
     /// Returns the splinter that a cell's wood at a height belongs to, or the one that it grew on where it has no lean of its own
@@ -194,6 +255,12 @@ impl Leans {
             branch = self.bends_as[parent as usize];
         }
         Some(branch)
+    }
+
+    /// Returns the thinnest of some splinters: the others are spared as long as that is enough.
+    pub fn thinnest(&self, branches: impl Iterator<Item = u32>) -> Option<u32> {
+        let area = |b: &u32| self.tree.branches[*b as usize].foot_area();
+        branches.min_by(|a, b| area(a).total_cmp(&area(b)).then(a.cmp(b)))
     }
 
     /// Makes splinters lean less.

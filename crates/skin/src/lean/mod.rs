@@ -6,7 +6,10 @@
 //! less.
 
 mod bend;
+mod crossings;
+mod motion;
 pub(crate) mod place;
+mod snap;
 mod tree;
 
 pub use bend::SplinterLean;
@@ -14,30 +17,38 @@ pub use bend::SplinterLean;
 use crate::fray::push_vertex_between;
 use crate::prepared::PreparedStem;
 use bend::Leans;
-use glam::{DAffine3, DVec2, DVec3};
+use crossings::Crossings;
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fracture::surface::FractureSurface;
-use greenstick_geometry::repair::crossing_pairs;
-use greenstick_geometry::{Aabb, Mesh};
+use greenstick_geometry::Mesh;
 use greenstick_wood::noise::smoothstep;
+use motion::{Motion, Spot};
 use place::FacetPlaces;
+use rayon::prelude::*;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
+use snap::Snaps;
 use std::fmt;
 use tree::SplinterTree;
 
 /// Greatest distance between a bowed splinter and the straight edges that show it, radii.
-const PRECISION: f64 = 0.012;
+const PRECISION: f64 = 0.016;
 /// Height of an edge below which it cannot be farther off, radii.
 const LEAST_RISE: f64 = 0.1;
+const LEAST_RISE_BENT: f64 = 0.04;
+/// Least length of what a slab ends in for it to lean by itself, radii.
+const LEAST_PART: f64 = 0.2;
 /// How often edges are halved for it.
 const HALVINGS: usize = 4;
 /// Greatest difference of the displacements at the ends of an edge: over its height, and whatever that is, radii.
-const MOST_SHEAR: f64 = 0.6;
+const MOST_SHEAR: f64 = 0.7;
+/// The same of an edge one end of which is bent over a kink.
+const MOST_TURN: f64 = 2.0;
 const SLACK: f64 = 0.03;
 /// Rounds in which splinters that cross lean less.
-const ROUNDS: usize = 24;
+const ROUNDS: usize = 20;
 /// Rounds after which everything about a crossing that is left stays straight.
-const PATIENCE: usize = 14;
+const PATIENCE: usize = 10;
 /// Distances from the section's middle, over its half width, between which other limbs beside the stem stop to move along.
 const BESIDE: (f64, f64) = (1.3, 2.5);
 /// Leans from which on a splinter counts as leaning, degrees.
@@ -50,6 +61,8 @@ pub struct LeanReport {
     pub splinters: usize,
     /// Splinters that stay straight, as they would cross others.
     pub straight: usize,
+    /// Splinters that snapped on their way and hang to one side.
+    pub snapped: usize,
     /// Mean and greatest angle between leaning splinters and the grain, degrees.
     pub mean_degrees: f64,
     /// See above.
@@ -64,8 +77,8 @@ impl fmt::Display for LeanReport {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(
             f,
-            "{} splinters by {:.1}° on average, {:.1}° at most, {} straight",
-            self.splinters, self.mean_degrees, self.greatest_degrees, self.straight
+            "{} splinters by {:.1}° on average, {:.1}° at most, {} straight, {} snapped",
+            self.splinters, self.mean_degrees, self.greatest_degrees, self.straight, self.snapped
         )
     }
 }
@@ -83,6 +96,8 @@ pub struct LeaningPiece<'a> {
     pub upper: bool,
     /// Mean lean, degrees.
     pub degrees: f64,
+    /// Share of the slender splinters that snap.
+    pub snapped: f64,
     /// Seed of the break.
     pub seed: u64,
 }
@@ -107,16 +122,8 @@ struct Map<'a> {
     sign: f64,
     middle: DVec2,
     reach: f64,
-}
-
-/// A point of the mesh.
-#[derive(Clone, Copy)]
-struct Spot {
-    grain: DVec3,
-    /// Its cell; none where it stays.
-    cell: Option<u32>,
-    /// How much of the displacement it has.
-    share: f64,
+    /// Height up to which nothing moves.
+    foot: f64,
 }
 
 impl LeaningPiece<'_> {
@@ -124,64 +131,45 @@ impl LeaningPiece<'_> {
     pub fn bend(&self, mesh: &Mesh) -> LeanedPiece {
         let sign = if self.upper { -1.0 } else { 1.0 };
         let radius = self.stem.found.stem.radius;
-        let tree = SplinterTree::new(self.surface, sign, self.cells);
+        let mut tree = SplinterTree::new(self.surface, sign, self.cells);
+        tree.divide(LEAST_PART * radius);
         let seed = self.seed + u64::from(self.upper);
-        let mut leans = Leans::new(tree, radius, self.degrees, seed);
+        let (low, high) = self.surface.range();
+        let places = FacetPlaces::new(self.surface, sign);
+        let of = (self.surface, sign);
+        let snaps = Snaps::new((&tree, &places), of, radius, self.snapped, seed);
+        let middle = self.stem.square.middle;
+        let mut motion = Motion {
+            leans: Leans::new(tree, (radius, middle), self.degrees, seed),
+            snaps,
+            sign,
+        };
         let transform = *self.stem.transform();
         let map = Map {
             stem: self.stem,
             inverse: transform.inverse(),
             transform,
-            places: FacetPlaces::new(self.surface, sign),
+            places,
             sign,
-            middle: self.stem.square.middle,
+            middle,
             reach: self.stem.square.side / 2.0,
+            foot: if self.upper { -high } else { low },
         };
-        let foot = leans.foot();
         let mut mesh = mesh.clone();
         let mut spots: Vec<Spot> = Vec::new();
-        map.spots(&mesh, foot, &mut spots);
+        map.spots(&mesh, &mut spots);
         let mut coarse = FxHashMap::default();
         for _ in 0..HALVINGS {
-            if !map.halve(&mut mesh, (&leans, foot), &mut spots, &mut coarse) {
+            if !map.halve(&mut mesh, &motion, &mut spots, &mut coarse) {
                 break;
             }
         }
-        let mut bent: Vec<DVec3> = map.bent(&mesh, &spots, &leans);
-        let mut done = false;
-        let mut crossings = Crossings::new(&mesh, &spots, &bent);
-        for round in 0..ROUNDS {
-            let torn = map.torn(&mesh, &spots, &leans);
-            if crossings.pairs.is_empty() && torn.is_empty() {
-                done = true;
-                break;
-            }
-            let mut blamed: Vec<u32> = (crossings.vertices().chain(torn))
-                .filter_map(|v| {
-                    let spot = spots[v as usize];
-                    leans.blame(spot.cell?, sign * spot.grain.z)
-                })
-                .collect();
-            blamed.sort_unstable();
-            blamed.dedup();
-            if blamed.is_empty() {
-                break;
-            }
-            for _ in 0..=usize::from(round >= PATIENCE) * 3 {
-                leans.damp(&blamed);
-            }
-            let before = std::mem::replace(&mut bent, map.bent(&mesh, &spots, &leans));
-            crossings.update(&before, &bent);
-        }
-        if !done {
-            // Whatever it is, it is no longer the lean.
-            leans.straighten();
-            bent.clone_from(&mesh.positions);
-        }
-        map.turn_normals(&mut mesh, &spots, &leans);
+        let bent = map.resolved(&mesh, &spots, &mut motion);
+        map.turn_normals(&mut mesh, &spots, &motion);
         mesh.positions = bent;
-        let splinters = leans.splinters();
-        let report = report(&splinters);
+        let splinters = motion.leans.splinters();
+        let mut report = report(&splinters);
+        report.snapped = motion.snaps.count();
         LeanedPiece {
             mesh,
             report,
@@ -199,80 +187,49 @@ fn report(splinters: &[SplinterLean]) -> LeanReport {
     LeanReport {
         splinters: degrees.len(),
         straight: splinters.len() - degrees.len(),
-        mean_degrees: degrees.iter().sum::<f64>() / degrees.len().max(1) as f64,
+        snapped: 0,
+        // An empty sum is −0.
+        mean_degrees: degrees.iter().sum::<f64>().max(0.0) / degrees.len().max(1) as f64,
         greatest_degrees: degrees.iter().copied().fold(0.0, f64::max),
         median_length_m: lengths.get(lengths.len() / 2).copied().unwrap_or_default(),
         straight_volume_m3: None,
     }
 }
 
-/// The triangles of a piece that may cross when splinters lean, and the pairs that do.
-struct Crossings {
-    triangles: Vec<[u32; 3]>,
-    /// Whether each can move.
-    moves: Vec<bool>,
-    /// Pairs of numbers in `triangles` that cross.
-    pairs: Vec<[u32; 2]>,
-}
-
-impl Crossings {
-    /// Finds them for vertices at `bent`.
-    fn new(mesh: &Mesh, spots: &[Spot], bent: &[DVec3]) -> Self {
-        let can_move = |t: &[u32; 3]| t.iter().any(|&v| spots[v as usize].cell.is_some());
-        let around = |t: &[u32; 3]| {
-            let straight = Aabb::around(&t.map(|v| mesh.positions[v as usize]));
-            straight.join(&Aabb::around(&t.map(|v| bent[v as usize])))
-        };
-        let moving = mesh.triangles.iter().filter(|t| can_move(t));
-        let reach = moving.fold(Aabb::EMPTY, |reach, t| reach.join(&around(t)));
-        let near: Vec<u32> = (0..mesh.triangles.len() as u32)
-            .filter(|&t| around(&mesh.triangles[t as usize]).overlaps(&reach))
-            .collect();
-        let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
-        let mut found = Crossings {
-            moves: triangles.iter().map(can_move).collect(),
-            pairs: crossing_pairs(bent, &triangles, None),
-            triangles,
-        };
-        found.leave_out_faults_of_the_input();
-        found
-    }
-
-    fn leave_out_faults_of_the_input(&mut self) {
-        let moves = &self.moves;
-        self.pairs.retain(|p| p.iter().any(|&t| moves[t as usize]));
-    }
-
-    /// Brings the pairs up to date after vertices have moved from the first positions to the second.
-    fn update(&mut self, before: &[DVec3], bent: &[DVec3]) {
-        let moved = |t: &[u32; 3]| t.iter().any(|&v| bent[v as usize] != before[v as usize]);
-        let changed: Vec<u32> = (self.triangles.iter().zip(0..))
-            .filter_map(|(t, number)| moved(t).then_some(number))
-            .collect();
-        let kept = |p: &[u32; 2]| p.iter().all(|t| changed.binary_search(t).is_err());
-        self.pairs.retain(kept);
-        let found = crossing_pairs(bent, &self.triangles, Some(&changed));
-        self.pairs.extend(found);
-        self.pairs.sort_unstable();
-        self.pairs.dedup();
-        self.leave_out_faults_of_the_input();
-    }
-
-    /// Vertices of triangles that cross.
-    fn vertices(&self) -> impl Iterator<Item = u32> + '_ {
-        let triangles = self.pairs.iter().flatten();
-        triangles.flat_map(|&t| self.triangles[t as usize])
-    }
-}
-
 impl Map<'_> {
-    /// Adds the spots of vertices that have none yet.
-    fn spots(&self, mesh: &Mesh, foot: f64, spots: &mut Vec<Spot>) {
-        let new = mesh.positions[spots.len()..].iter();
-        spots.extend(new.map(|&p| self.spot(p, foot)).collect::<Vec<_>>());
+    /// Returns the positions of a piece's vertices when it is bent, with as much motion as leaves no triangles that cross.
+    fn resolved(&self, mesh: &Mesh, spots: &[Spot], motion: &mut Motion) -> Vec<DVec3> {
+        let mut bent = self.bent(mesh, spots, motion);
+        let mut crossings = Crossings::new(mesh, spots, &bent);
+        for round in 0..ROUNDS {
+            let torn = self.torn(mesh, spots, motion);
+            if crossings.pairs.is_empty() && torn.is_empty() {
+                return bent;
+            }
+            let of = |vertices: &[u32]| -> Vec<&Spot> {
+                vertices.iter().map(|&v| &spots[v as usize]).collect()
+            };
+            let pairs = crossings.vertices().map(|v| of(&v));
+            let faults = pairs.chain(torn.iter().map(|edge| of(edge)));
+            let times = if round >= PATIENCE { 4 } else { 1 };
+            if !motion.calm(faults, times) {
+                break;
+            }
+            let before = std::mem::replace(&mut bent, self.bent(mesh, spots, motion));
+            crossings.update(&before, &bent);
+        }
+        // Whatever it is, it is no longer the motion.
+        motion.stop();
+        mesh.positions.clone()
     }
 
-    fn spot(&self, place: DVec3, foot: f64) -> Spot {
+    /// Adds the spots of vertices that have none yet.
+    fn spots(&self, mesh: &Mesh, spots: &mut Vec<Spot>) {
+        let new = mesh.positions[spots.len()..].iter();
+        spots.extend(new.map(|&p| self.spot(p)).collect::<Vec<_>>());
+    }
+
+    fn spot(&self, place: DVec3) -> Spot {
         let grain = self
             .stem
             .layers
@@ -280,7 +237,7 @@ impl Map<'_> {
         let (off, at) = (grain.truncate() - self.middle, grain.truncate());
         let beside = off.length() / self.reach;
         let share = 1.0 - smoothstep(BESIDE.0, BESIDE.1, beside);
-        let moves = grain.is_finite() && self.sign * grain.z > foot && share > 0.0;
+        let moves = grain.is_finite() && self.sign * grain.z > self.foot && share > 0.0;
         // What sticks out of the section goes along with the wood that it grew on.
         let inwards = [1.0, 0.97, 0.94, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5];
         let cell = |at: DVec2| self.places.cell(at, self.sign * grain.z);
@@ -291,42 +248,39 @@ impl Map<'_> {
         Spot { grain, cell, share }
     }
 
-    /// Displacement of a spot in the section, m, and its slope.
-    fn displacement(&self, spot: &Spot, leans: &Leans) -> Option<(DVec2, DVec2)> {
-        let (by, slope) = leans.at(spot.cell?, self.sign * spot.grain.z);
-        let moves = by != DVec2::ZERO || slope != DVec2::ZERO;
-        moves.then_some((by * spot.share, slope * (spot.share * self.sign)))
-    }
-
-    /// Returns the positions of the vertices with the splinters leaning.
-    fn bent(&self, mesh: &Mesh, spots: &[Spot], leans: &Leans) -> Vec<DVec3> {
-        let places = mesh.positions.iter().zip(spots);
-        let bend = |(&place, spot): (&DVec3, &Spot)| match self.displacement(spot, leans) {
-            Some((by, _)) if by != DVec2::ZERO => place + self.across(spot, by),
-            _ => place,
+    /// Returns the positions of the vertices when they have moved.
+    fn bent(&self, mesh: &Mesh, spots: &[Spot], motion: &Motion) -> Vec<DVec3> {
+        let places = mesh.positions.par_iter().zip(spots);
+        let bend = |(&place, spot): (&DVec3, &Spot)| match motion.way(spot) {
+            DVec3::ZERO => place,
+            by => place + self.across(spot, by),
         };
         places.map(bend).collect()
     }
 
-    /// Returns the ends of edges that would be drawn out, as where a vertex that was moved by a repair is taken for another
-    /// splinter's.
-    fn torn(&self, mesh: &Mesh, spots: &[Spot], leans: &Leans) -> Vec<u32> {
+    /// Returns the edges that would be drawn out, as where a vertex that was moved by a repair is taken for another splinter's.
+    fn torn(&self, mesh: &Mesh, spots: &[Spot], motion: &Motion) -> Vec<[u32; 2]> {
         let radius = self.stem.found.stem.radius;
-        let by = |spot: &Spot| self.displacement(spot, leans).map_or(DVec2::ZERO, |d| d.0);
-        let ways: Vec<DVec2> = spots.iter().map(by).collect();
+        let ways: Vec<DVec3> = spots.par_iter().map(|spot| motion.way(spot)).collect();
+        let turned: Vec<Option<u32>> = spots.par_iter().map(|s| motion.snap_of(s)).collect();
         let is_torn = |&[v, w]: &[u32; 2]| {
             let [v, w] = [v as usize, w as usize];
+            let most = match (turned[v], turned[w]) {
+                (None, None) => MOST_SHEAR,
+                (one, other) if one == other => return false,
+                _ => MOST_TURN,
+            };
             let rise = (spots[v].grain.z - spots[w].grain.z).abs();
-            ways[v].distance(ways[w]) > MOST_SHEAR * rise + SLACK * radius
+            ways[v].distance(ways[w]) > most * rise + SLACK * radius
         };
         let edges = (mesh.triangles.iter()).flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        edges.filter(is_torn).flatten().collect()
+        edges.filter(is_torn).collect()
     }
 
-    /// Returns a way across the section at a spot in the coordinates of the mesh.
-    fn across(&self, spot: &Spot, by: DVec2) -> DVec3 {
+    /// Returns a way in grain space at a spot in the coordinates of the mesh.
+    fn across(&self, spot: &Spot, by: DVec3) -> DVec3 {
         let layers = &self.stem.layers;
-        let way = layers.to_world(spot.grain + by.extend(0.0)) - layers.to_world(spot.grain);
+        let way = layers.to_world(spot.grain + by) - layers.to_world(spot.grain);
         self.inverse.transform_vector3(way)
     }
 
@@ -335,15 +289,14 @@ impl Map<'_> {
     fn halve(
         &self,
         mesh: &mut Mesh,
-        (leans, foot): (&Leans, f64),
+        motion: &Motion,
         spots: &mut Vec<Spot>,
         coarse: &mut FxHashMap<[u32; 2], bool>,
     ) -> bool {
         let radius = self.stem.found.stem.radius;
         // Points keep their numbers when vertices are added.
         let (points, _) = mesh.points();
-        let by = |spot: &Spot| self.displacement(spot, leans).map_or(DVec2::ZERO, |d| d.0);
-        let ways: Vec<DVec2> = spots.iter().map(by).collect();
+        let ways: Vec<DVec3> = spots.par_iter().map(|spot| motion.way(spot)).collect();
         // Edges between points, so that both sides of a seam do the same.
         let ordered = |[v, w]: [u32; 2]| {
             if points[v as usize] < points[w as usize] {
@@ -356,7 +309,13 @@ impl Map<'_> {
             let [v, w] = ordered(edge);
             let [one, other] = [v, w].map(|v| &spots[v as usize]);
             let rise = (one.grain.z - other.grain.z).abs();
-            if one.cell.or(other.cell).is_none() || rise < LEAST_RISE * radius {
+            let bent = [one, other].map(|spot| motion.snap_of(spot).is_some());
+            let least = if bent.contains(&true) {
+                LEAST_RISE_BENT
+            } else {
+                LEAST_RISE
+            };
+            if one.cell.or(other.cell).is_none() || rise < least * radius {
                 return false;
             }
             let key = [points[v as usize], points[w as usize]];
@@ -364,7 +323,7 @@ impl Map<'_> {
                 let [p, q] = [v, w].map(|v| mesh.positions[v as usize]);
                 let (from, to) = (ways[v as usize], ways[w as usize]);
                 [0.25, 0.5, 0.75].into_iter().any(|t| {
-                    let way = by(&self.spot(p.lerp(q, t), foot));
+                    let way = motion.way(&self.spot(p.lerp(q, t)));
                     way.distance(from.lerp(to, t)) > PRECISION * radius
                 })
             })
@@ -390,22 +349,25 @@ impl Map<'_> {
                 .extend((before..triangles.len()).filter_map(|_| mesh.materials.get(t).copied()));
         }
         (mesh.triangles, mesh.materials) = (triangles, materials);
-        self.spots(mesh, foot, spots);
+        self.spots(mesh, spots);
         true
     }
 
     /// Turns normals and tangents as the wood turns; positions are still straight.
-    fn turn_normals(&self, mesh: &mut Mesh, spots: &[Spot], leans: &Leans) {
+    fn turn_normals(&self, mesh: &mut Mesh, spots: &[Spot], motion: &Motion) {
         let stem = &self.stem.found.stem;
         let along = stem.grain.axis().frame(stem.location).tangent;
         let along = self.inverse.transform_vector3(along).normalize_or_zero();
+        let scale = self.transform.matrix3.determinant().abs().cbrt();
         for (i, spot) in spots.iter().enumerate() {
-            let Some((_, slope)) = self.displacement(spot, leans) else {
+            let Some(moved) = motion.of(spot) else {
                 continue;
             };
-            let unit = self.across(spot, slope);
-            let scale = self.transform.matrix3.determinant().abs().cbrt();
-            let aside = unit * scale;
+            let aside = self.across(spot, moved.slope.extend(0.0)) * scale;
+            let turn_about = moved.turn.map(|(toward, angle)| {
+                let toward = self.across(spot, toward.extend(0.0)).normalize_or_zero();
+                DQuat::from_axis_angle((along * self.sign).cross(toward).normalize(), angle)
+            });
             let mut turn = |name: &str, how: &dyn Fn(DVec3) -> DVec3| {
                 if let Some(attribute) = mesh.attributes.get_mut(name)
                     && attribute.width >= 3
@@ -413,7 +375,8 @@ impl Map<'_> {
                     let first = i * attribute.width;
                     let values = &mut attribute.data[first..first + 3];
                     let d = DVec3::new(values[0].into(), values[1].into(), values[2].into());
-                    let turned = how(d).normalize_or(d).as_vec3();
+                    let turned = turn_about.map_or_else(|| how(d), |turn| turn * d);
+                    let turned = turned.normalize_or(d).as_vec3();
                     values.copy_from_slice(&turned.to_array());
                 }
             };

@@ -8,6 +8,9 @@
 use glam::DVec2;
 use greenstick_fracture::surface::{FractureSurface, NONE, SectionLayout};
 
+/// Part of the area at its foot below which a splinter counts as much thinner.
+const THINNED: f64 = 0.4;
+
 /// A splinter.
 #[derive(Debug, Clone)]
 pub(super) struct Branch {
@@ -18,14 +21,31 @@ pub(super) struct Branch {
     pub to: f64,
     /// Areas of the section, m², and the heights below which they are so large, downwards.
     pub areas: Vec<(f64, f64)>,
-    /// The way from the middle of what it parts from to its own there, m.
+    /// The way from the middle of what it parts from to its own there, and that middle, m.
     pub aside: DVec2,
+    pub middle: DVec2,
 }
 
 impl Branch {
     /// Its length, m.
     pub fn length(&self) -> f64 {
         self.to - self.from
+    }
+
+    /// Returns the height at which it has become much thinner than at its foot, if it goes on from there for `least` (m).
+    fn thinned(&self, least: f64) -> Option<f64> {
+        let thin = THINNED * self.foot_area();
+        let (at, _) =
+            self.areas
+                .iter()
+                .zip(self.areas.get(1..)?)
+                .rev()
+                .find_map(|(above, here)| {
+                    // Heights are those up to which the section is so large: it gets smaller at the lower one.
+                    (above.1 <= thin).then_some(*here)
+                })?;
+        (at.is_finite() && at > self.from && self.to - at >= least && self.areas[0].0 > at)
+            .then_some(at)
     }
 
     /// Area of its section just above where it parts, m².
@@ -85,6 +105,7 @@ impl SplinterTree {
                     to,
                     areas: vec![(to, part.area)],
                     aside: DVec2::ZERO,
+                    middle: part.moment / part.area.max(f64::MIN_POSITIVE),
                 })
                 .collect(),
             order: Vec::with_capacity(cells),
@@ -105,6 +126,7 @@ impl SplinterTree {
             (branch.parent, branch.from) = (of_on.branch, height);
             let middle = |p: Part| p.moment / p.area.max(f64::MIN_POSITIVE);
             branch.aside = middle(of_end) - middle(of_on);
+            branch.middle = middle(of_end);
             tree.order.push(of_end.branch);
             let both = &mut parts[on as usize];
             both.area += of_end.area;
@@ -123,6 +145,36 @@ impl SplinterTree {
             .extend(roots.map(|(_, number)| number).collect::<Vec<u32>>());
         tree.order.reverse();
         tree
+    }
+
+    /// Divides branches where they have become much thinner than they are at their foot, and what is left is `least` (m) long at
+    /// least: what a slab ends in bends by itself. What is divided off below has a number of its own.
+    pub fn divide(&mut self, least: f64) {
+        let mut order = Vec::with_capacity(self.order.len());
+        // For each branch the heights up to which its parts reach, and their numbers.
+        let mut parts: Vec<Vec<(f64, u32)>> = vec![Vec::new(); self.branches.len()];
+        for number in std::mem::take(&mut self.order) {
+            let mut upper = self.branches[number as usize].clone();
+            if upper.parent != NONE {
+                let of = &parts[upper.parent as usize];
+                let carrying = of.iter().find(|(to, _)| upper.from <= *to);
+                upper.parent = carrying.map_or(upper.parent, |part| part.1);
+            }
+            while let Some(at) = upper.thinned(least) {
+                let made = self.branches.len() as u32;
+                let split = upper.areas.iter().position(|area| area.0 <= at);
+                let mut lower = upper.clone();
+                lower.areas = upper.areas.split_off(split.unwrap_or(upper.areas.len()));
+                lower.to = at;
+                (upper.parent, upper.from, upper.aside) = (made, at, DVec2::ZERO);
+                parts[number as usize].push((at, made));
+                order.push(made);
+                self.branches.push(lower);
+            }
+            self.branches[number as usize] = upper;
+            order.push(number);
+        }
+        self.order = order;
     }
 
     /// Returns the branch that a cell's wood belongs to at a height.
