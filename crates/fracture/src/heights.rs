@@ -3,13 +3,14 @@
 //! All heights are ratios to the stem's radius until they are placed along the axis at the end.
 
 use crate::ends::TornEnds;
+use crate::even::even_out;
 pub use crate::field::{CellFailure, FailureMode, HeightField, HeightFieldError, grid_middle};
 pub use crate::height_model::{BreakSite, Heights, Thorn};
 use crate::height_model::{HeightModel, NoiseSamplers, purpose};
 use crate::layout::{FibreBundles, InnerEdge, wrap_angle};
 use crate::limit::place_heights;
 use crate::parameters::{BreakParameters, SurfaceStyle as Kind, ZoneParameters};
-use crate::plates::{brittleness, even_out};
+use crate::plates::brittleness;
 pub use crate::slabs::SectionSpan;
 use crate::surface::SectionLayout;
 use crate::thorns::add_thorns;

@@ -4,6 +4,7 @@
 pub mod cracks;
 pub mod cut;
 mod ends;
+mod even;
 mod field;
 pub mod height_grid;
 mod height_model;

@@ -32,9 +32,9 @@ use std::fmt;
 use tree::SplinterTree;
 
 /// Greatest distance between a bowed splinter and the straight edges that show it, radii.
-const PRECISION: f64 = 0.016;
+const PRECISION: f64 = 0.022;
 /// Height of an edge below which it cannot be farther off, radii.
-const LEAST_RISE: f64 = 0.1;
+const LEAST_RISE: f64 = 0.14;
 const LEAST_RISE_BENT: f64 = 0.04;
 /// Least length of what a slab ends in for it to lean by itself, radii.
 const LEAST_PART: f64 = 0.2;
