@@ -48,9 +48,7 @@ def row(options: argparse.Namespace, file: Path, folder: Path) -> tuple[list[str
     """The cells of an input, and what is wrong with it."""
     told = next((words for part, words in TOLD.items() if part in file.name), [])
     preset = ["--preset", options.preset] if options.preset else []
-    # Straight splinters: volumes add up.
-    straight = ["--set", "splinter_lean=0", "--set", "splinter_snap=0"]
-    command = [options.program, "break", file, *told, *preset, *straight, "-o", "broken.glb", "--json"]
+    command = [options.program, "break", file, *told, *preset, "-o", "broken.glb", "--json"]
     code, out, err, seconds, memory = spent(command, folder)
     name = " ".join([file.name, *told])
     files = [file, *(b for b in (file.with_suffix(".bin"),) if file.suffix == ".gltf" and b.exists())]

@@ -28,8 +28,8 @@ seed = 7
 
 @pytest.fixture(scope="module")
 def small() -> Request:
-    """A request that takes a fraction of a second, with splinters that stay straight, so that volumes add up."""
-    return Request(texture_size=64, rings=8, sectors=12, seed=7, splinter_lean=0, splinter_snap=0)
+    """A request that takes a fraction of a second."""
+    return Request(texture_size=64, rings=8, sectors=12, seed=7)
 
 
 @pytest.mark.parametrize("source", ["built-in", "quaternius_DeadTree_1.gltf"])

@@ -430,7 +430,11 @@ impl Studio {
         let apart = self.apart();
         for one in file.breaks.iter_mut().chain([&mut file.common]) {
             if one.separation < apart {
+                // What an export would not do: splinters stay straight, and the slider moves as far as it says.
                 (one.separation, one.part_clear) = (apart, false);
+                let face = &mut one.recipe.face;
+                face.splinter_lean.get_or_insert(0.0);
+                face.splinter_snap.get_or_insert(0.0);
             }
         }
         let job = Job {

@@ -90,13 +90,14 @@ parameters! {
             /// as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out.
             fuzz: f64 = 0.5, number(Fraction, 0.0, 1.0);
             /// Mean angle by which slender splinters lean from the grain, each to a side of its own, as torn wood springs apart: not at
-            /// the root, more and more towards the tip, thick ones less. Each half is bent by itself after it was cut: with 0 here and
-            /// for `splinter_snap` the halves fit exactly; otherwise splinters lie over each other where the halves are put together,
-            /// and volumes change by some hundredths of a percent.
-            splinter_lean: f64 = 8.0, number(Degree, 0.0, 20.0);
-            /// Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold.
-            /// Where there is no room for that, they stay as they are.
-            splinter_snap: f64 = 0.1, number(Fraction, 0.0, 1.0);
+            /// the root, more and more towards the tip, thick ones less. Each half is bent by itself after it was cut, which changes
+            /// volumes by some hundredths of a percent; with 0 here and for `splinter_snap` the halves fit exactly. "auto" is 8° where
+            /// pieces are moved apart or hang, and 0 where they lie in each other.
+            splinter_lean: Option<f64> = None, number(Degree, 0.0, 20.0).auto();
+            /// Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold. Where
+            /// there is no room for that, they stay as they are. "auto" is 0.1 where pieces are moved apart or hang, and 0 where they
+            /// lie in each other.
+            splinter_snap: Option<f64> = None, number(Fraction, 0.0, 1.0).auto();
             /// Height of the steps between neighbouring rings where the wood breaks brittle. The
             /// shear-lag length of the species over the radius is its natural value.
             step_height: f64 = 0.15, number(Radius, 0.0, 20.0);

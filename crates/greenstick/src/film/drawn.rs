@@ -48,7 +48,7 @@ pub fn film_of_faces(
         // Pieces are where they were before anything moved.
         (one.separation, one.fray, one.recipe.face.fuzz) = (0.0, 0.0, 0.0);
         let face = &mut one.recipe.face;
-        (face.hang, face.splinter_lean, face.splinter_snap) = (0.0, 0.0, 0.0);
+        (face.hang, face.splinter_lean, face.splinter_snap) = (0.0, Some(0.0), Some(0.0));
     }
     let broken = faces.broken(&cutting).map_err(|error| match error {
         Error::Cancelled(cancelled) => SimulatedFacesError::Cancelled(cancelled),

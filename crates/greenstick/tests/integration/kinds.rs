@@ -15,7 +15,7 @@ fn broken(scene: &Scene, kind: Option<StemKind>) -> (Broken, bool) {
     request.stem.kind = kind;
     // Straight splinters: halves fit exactly.
     let face = &mut request.breaks[0].recipe.face;
-    (face.splinter_lean, face.splinter_snap) = (0.0, 0.0);
+    (face.splinter_lean, face.splinter_snap) = (Some(0.0), Some(0.0));
     let mut session = BreakSession::new(scene.clone());
     let broken = session.broken(&request, &Context::quiet()).unwrap();
     let stages = session.stages(&request, &Context::quiet()).unwrap();

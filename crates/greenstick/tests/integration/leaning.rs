@@ -11,10 +11,16 @@ use greenstick::{Break, BreakRequest, Broken, break_scene, built_in_branch};
 use std::collections::HashMap;
 
 fn broken(scene: Scene, at: f64, settings: &[&str]) -> Broken {
+    moved_apart(scene, at, 0.0, settings)
+}
+
+/// A break whose pieces are moved apart by a length, m.
+fn moved_apart(scene: Scene, at: f64, separation: f64, settings: &[&str]) -> Broken {
     let request = BreakRequest {
         texture_width: 16,
         ..BreakRequest::single(Break {
             place: StemLocation::Fraction(at),
+            separation,
             recipe: Recipe::resolve(&[], None, settings).unwrap(),
             ..Break::default()
         })
@@ -183,17 +189,14 @@ fn slopes(broken: &Broken, node: usize) -> [f64; 2] {
     })
 }
 
-/// Splinters of a break as it is made by default are no parallel columns: their sides lie off the grain to the one side and to the
-/// other, and more so towards the tips. Some of those of a splintered break have snapped.
+/// Splinters of halves that were moved apart are no parallel columns: their sides lie off the grain to the one side and to the
+/// other, and more so towards the tips. Some of those of a splintered break have snapped. Halves that lie in each other fit.
 #[test]
-fn splinters_are_not_parallel_by_default_and_lean_more_towards_their_tips() {
+fn splinters_of_halves_moved_apart_are_not_parallel_and_lean_more_towards_their_tips() {
     let branch = built_in_branch();
-    let made = broken(branch.clone(), 0.5, &["fuzz=0"]);
-    let straight = broken(
-        branch.clone(),
-        0.5,
-        &["fuzz=0", "splinter_lean=0", "splinter_snap=0"],
-    );
+    let made = moved_apart(branch.clone(), 0.5, 0.1, &["fuzz=0"]);
+    let straight = broken(branch.clone(), 0.5, &["fuzz=0"]);
+    assert!(straight.report.pieces.iter().all(|p| p.lean.is_none()));
     for node in 0..2 {
         let ([foot, tips], [before_foot, before_tips]) =
             (slopes(&made, node), slopes(&straight, node));
@@ -205,11 +208,8 @@ fn splinters_are_not_parallel_by_default_and_lean_more_towards_their_tips() {
     }
     let mut snapped = 0;
     for seed in ["seed=1", "seed=2"] {
-        let made = broken(
-            branch.clone(),
-            0.5,
-            &["fuzz=0", "slab_height=1.4", "splinter_snap=0.5", seed],
-        );
+        let settings = ["fuzz=0", "slab_height=1.4", "splinter_snap=0.5", seed];
+        let made = moved_apart(branch.clone(), 0.5, 0.1, &settings);
         snapped += leans(&made).iter().map(|lean| lean.snapped).sum::<usize>();
     }
     assert!(snapped >= 4, "{snapped}");

@@ -76,7 +76,7 @@ fn long_splinters() -> Break {
     let mut one = Break::default();
     let face = &mut one.recipe.face;
     (face.slab_height, face.slab_count) = (4.0, 12);
-    (face.splinter_lean, face.splinter_snap) = (0.0, 0.0);
+    (face.splinter_lean, face.splinter_snap) = (Some(0.0), Some(0.0));
     one
 }
 

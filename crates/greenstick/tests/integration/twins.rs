@@ -19,7 +19,7 @@ fn at(places: &[StemLocation]) -> BreakRequest {
         let face = &mut one.recipe.face;
         (face.rings, face.sectors) = (10, 24);
         // Straight splinters: volumes add up.
-        (face.splinter_lean, face.splinter_snap) = (0.0, 0.0);
+        (face.splinter_lean, face.splinter_snap) = (Some(0.0), Some(0.0));
         one
     };
     BreakRequest {

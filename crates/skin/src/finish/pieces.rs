@@ -22,6 +22,10 @@ use std::sync::Arc;
 /// Triangles up to which pieces are written at the same time: with more, the memory that it takes counts more than the time.
 const MOST_AT_ONCE: usize = 2_000_000;
 
+/// Mean lean of splinters (degrees), and the share of them that snap, where nothing else is requested.
+const LEAN: f64 = 8.0;
+const SNAPPED: f64 = 0.1;
+
 /// How a break is finished.
 #[derive(Debug, Clone, Copy)]
 pub struct FinishOptions<'a> {
@@ -71,7 +75,7 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         ([lower, upper], splinters) =
             frayed(stages, (options, parted.way), inner, halves, &mut notes)?;
     }
-    let leans = lean(stages, &mut [&mut lower, &mut upper]);
+    let leans = lean(stages, parted.way, &mut [&mut lower, &mut upper]);
     if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
         notes.push(BreakNote::NoSpiralGrain);
     }
@@ -144,10 +148,14 @@ fn frayed(
     Ok((made.pieces, made.splinters))
 }
 
-/// Makes the splinters of both halves lean, and returns how they do.
-fn lean(stages: &BreakStages, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport; 2]> {
+/// Makes the splinters of both halves, which move apart by `way` (m), lean, and returns how they do.
+fn lean(stages: &BreakStages, way: f64, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport; 2]> {
     let p = &stages.stem.face;
-    if (p.splinter_lean == 0.0 && p.splinter_snap == 0.0) || p.surface == SurfaceStyle::Smooth {
+    // Halves that lie in each other have had no room to spring apart.
+    let apart = f64::from(u8::from(way > 0.0 || p.hang > 0.0));
+    let degrees = p.splinter_lean.unwrap_or(LEAN * apart);
+    let snapped = p.splinter_snap.unwrap_or(SNAPPED * apart);
+    if (degrees == 0.0 && snapped == 0.0) || p.surface == SurfaceStyle::Smooth {
         return None;
     }
     let stem = stages.stem.stem();
@@ -158,8 +166,8 @@ fn lean(stages: &BreakStages, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport
             surface: &stages.heights.heights.surface,
             cells: stages.layout.bundles.bundles.len(),
             upper,
-            degrees: p.splinter_lean,
-            snapped: p.splinter_snap,
+            degrees,
+            snapped,
             seed: p.seed,
         }
         .bend(mesh);
