@@ -38,6 +38,7 @@ class RequestKeys(TypedDict, total=False):
     at: str | float
     triangles: int | str | None
     part: float | str
+    part_clear: bool
     fray: float | str
     species: str | float | None
     moisture: float | str | None
@@ -52,6 +53,7 @@ class RequestKeys(TypedDict, total=False):
     close_up: float | str | None
     depth_of_field: float | str
     coin: bool
+    chips: bool
     diameter: float | str
     rings: int | str
     sectors: int | str
@@ -71,8 +73,8 @@ class RequestKeys(TypedDict, total=False):
     sliver_height: float | str
     fibre_height: float | str
     fuzz: float | str
-    splinter_lean: float | str
-    splinter_snap: float | str
+    splinter_lean: float | str | None
+    splinter_snap: float | str | None
     step_height: float | str
     split: float | str
     compression_shelf: float | str
@@ -228,9 +230,14 @@ class RequestAttributes:
     def triangles(self, value: int | str | None) -> None: ...
     @property
     def part(self) -> float:
-        """Move the pieces apart by this length. Unit: metre."""
+        """Move the pieces apart by this length, along the grain. Unit: metre."""
     @part.setter
     def part(self, value: float | str) -> None: ...
+    @property
+    def part_clear(self) -> bool:
+        """Move them farther than that where their splinters would still lie in each other."""
+    @part_clear.setter
+    def part_clear(self, value: bool) -> None: ...
     @property
     def fray(self) -> float:
         """Bend thorns and tear some loose: 0 not at all, 1 badly. Unit: one."""
@@ -301,6 +308,11 @@ class RequestAttributes:
         """Lays a coin of one euro, 23 mm wide, in front of the wood, for scale."""
     @coin.setter
     def coin(self, value: bool) -> None: ...
+    @property
+    def chips(self) -> bool:
+        """Strews chips of torn wood about an opened break."""
+    @chips.setter
+    def chips(self, value: bool) -> None: ...
     @property
     def diameter(self) -> float:
         """The diameter that noise is laid out for, in cm as in Table 2. The stem's own size comes from its mesh: with 1 here the pattern on any stem is that of a branch of 1 cm; with 0 it is laid out in true metres on the stem as it is. A branch made from nothing has this diameter. Unit: centimetre."""
@@ -397,15 +409,15 @@ class RequestAttributes:
     @fuzz.setter
     def fuzz(self, value: float | str) -> None: ...
     @property
-    def splinter_lean(self) -> float:
-        """Mean angle by which slender splinters lean from the grain, each to a side of its own, as torn wood springs apart: not at the root, more and more towards the tip, thick ones less. Each half is bent by itself after it was cut: with 0 here and for `splinter_snap` the halves fit exactly; otherwise splinters lie over each other where the halves are put together, and volumes change by some hundredths of a percent. Unit: degree."""
+    def splinter_lean(self) -> float | None:
+        """Mean angle by which slender splinters lean from the grain, each to a side of its own, as torn wood springs apart: not at the root, more and more towards the tip, thick ones less. Each half is bent by itself after it was cut, which changes volumes by some hundredths of a percent; with 0 here and for `splinter_snap` the halves fit exactly. 'auto' is 8° where pieces are moved apart or hang, and 0 where they lie in each other. Unit: degree."""
     @splinter_lean.setter
-    def splinter_lean(self, value: float | str) -> None: ...
+    def splinter_lean(self, value: float | str | None) -> None: ...
     @property
-    def splinter_snap(self) -> float:
-        """Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold. Where there is no room for that, they stay as they are. Unit: fraction."""
+    def splinter_snap(self) -> float | None:
+        """Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold. Where there is no room for that, they stay as they are. 'auto' is 0.1 where pieces are moved apart or hang, and 0 where they lie in each other. Unit: fraction."""
     @splinter_snap.setter
-    def splinter_snap(self, value: float | str) -> None: ...
+    def splinter_snap(self, value: float | str | None) -> None: ...
     @property
     def step_height(self) -> float:
         """Height of the steps between neighbouring rings where the wood breaks brittle. The shear-lag length of the species over the radius is its natural value. Unit: radius."""
@@ -477,42 +489,43 @@ class RequestAttributes:
     ]) -> Literal["smooth", "fibrous"]: ...
     @overload
     def __getitem__(self, key: Literal[
-        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "draft", "coin",
+        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "part_clear",
+        "draft", "coin", "chips",
     ]) -> bool: ...
     @overload
     def __getitem__(self, key: Literal[
         "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
         "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
         "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
-        "splinter_lean", "splinter_snap", "step_height", "split", "compression_shelf", "compression_height",
-        "bark_offset", "bark_height", "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency",
-        "pith.white_noise_amplitude", "pith.thorn_length", "pith.thorn_probability",
-        "heartwood.perlin_amplitude", "heartwood.perlin_frequency", "heartwood.white_noise_amplitude",
-        "heartwood.thorn_length", "heartwood.thorn_probability", "sapwood.perlin_amplitude",
-        "sapwood.perlin_frequency", "sapwood.white_noise_amplitude", "sapwood.thorn_length",
-        "sapwood.thorn_probability", "phloem.perlin_amplitude", "phloem.perlin_frequency",
-        "phloem.white_noise_amplitude", "phloem.thorn_length", "phloem.thorn_probability",
-        "bark.perlin_amplitude", "bark.perlin_frequency", "bark.white_noise_amplitude", "bark.thorn_length",
-        "bark.thorn_probability", "high.height", "high.direction", "high.angle", "high.rings", "low.height",
-        "low.direction", "low.angle", "low.rings", "ductile.thorn_length", "ductile.thorn_probability",
-        "ductile.direction", "ductile.angle", "ductile.rings", "brittle.thorn_length",
-        "brittle.thorn_probability", "crack_groups.distortion", "crack_groups.large.direction",
-        "crack_groups.large.spacing", "crack_groups.large.jitter", "crack_groups.large.begin_min",
-        "crack_groups.large.begin_max", "crack_groups.large.length_min", "crack_groups.large.length_max",
-        "crack_groups.large.depth_min", "crack_groups.large.depth_max", "crack_groups.large.range_min",
-        "crack_groups.large.range_max", "crack_groups.medium.direction", "crack_groups.medium.spacing",
-        "crack_groups.medium.jitter", "crack_groups.medium.begin_min", "crack_groups.medium.begin_max",
-        "crack_groups.medium.length_min", "crack_groups.medium.length_max", "crack_groups.medium.depth_min",
-        "crack_groups.medium.depth_max", "crack_groups.medium.range_min", "crack_groups.medium.range_max",
-        "crack_groups.small.direction", "crack_groups.small.spacing", "crack_groups.small.jitter",
-        "crack_groups.small.begin_min", "crack_groups.small.begin_max", "crack_groups.small.length_min",
-        "crack_groups.small.length_max", "crack_groups.small.depth_min", "crack_groups.small.depth_max",
-        "crack_groups.small.range_min", "crack_groups.small.range_max",
+        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
+        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
+        "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
+        "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
+        "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
+        "sapwood.white_noise_amplitude", "sapwood.thorn_length", "sapwood.thorn_probability",
+        "phloem.perlin_amplitude", "phloem.perlin_frequency", "phloem.white_noise_amplitude",
+        "phloem.thorn_length", "phloem.thorn_probability", "bark.perlin_amplitude", "bark.perlin_frequency",
+        "bark.white_noise_amplitude", "bark.thorn_length", "bark.thorn_probability", "high.height",
+        "high.direction", "high.angle", "high.rings", "low.height", "low.direction", "low.angle", "low.rings",
+        "ductile.thorn_length", "ductile.thorn_probability", "ductile.direction", "ductile.angle",
+        "ductile.rings", "brittle.thorn_length", "brittle.thorn_probability", "crack_groups.distortion",
+        "crack_groups.large.direction", "crack_groups.large.spacing", "crack_groups.large.jitter",
+        "crack_groups.large.begin_min", "crack_groups.large.begin_max", "crack_groups.large.length_min",
+        "crack_groups.large.length_max", "crack_groups.large.depth_min", "crack_groups.large.depth_max",
+        "crack_groups.large.range_min", "crack_groups.large.range_max", "crack_groups.medium.direction",
+        "crack_groups.medium.spacing", "crack_groups.medium.jitter", "crack_groups.medium.begin_min",
+        "crack_groups.medium.begin_max", "crack_groups.medium.length_min", "crack_groups.medium.length_max",
+        "crack_groups.medium.depth_min", "crack_groups.medium.depth_max", "crack_groups.medium.range_min",
+        "crack_groups.medium.range_max", "crack_groups.small.direction", "crack_groups.small.spacing",
+        "crack_groups.small.jitter", "crack_groups.small.begin_min", "crack_groups.small.begin_max",
+        "crack_groups.small.length_min", "crack_groups.small.length_max", "crack_groups.small.depth_min",
+        "crack_groups.small.depth_max", "crack_groups.small.range_min", "crack_groups.small.range_max",
     ]) -> float: ...
     @overload
     def __getitem__(self, key: Literal[
         "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
-        "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
+        "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage",
+        "crack_groups.small.shrinkage",
     ]) -> float | None: ...
     @overload
     def __getitem__(self, key: Literal[
@@ -575,42 +588,43 @@ class RequestAttributes:
     ], value: Literal["smooth", "fibrous"]) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "draft", "coin",
+        "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "part_clear",
+        "draft", "coin", "chips",
     ], value: bool) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
         "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
         "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
         "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
-        "splinter_lean", "splinter_snap", "step_height", "split", "compression_shelf", "compression_height",
-        "bark_offset", "bark_height", "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency",
-        "pith.white_noise_amplitude", "pith.thorn_length", "pith.thorn_probability",
-        "heartwood.perlin_amplitude", "heartwood.perlin_frequency", "heartwood.white_noise_amplitude",
-        "heartwood.thorn_length", "heartwood.thorn_probability", "sapwood.perlin_amplitude",
-        "sapwood.perlin_frequency", "sapwood.white_noise_amplitude", "sapwood.thorn_length",
-        "sapwood.thorn_probability", "phloem.perlin_amplitude", "phloem.perlin_frequency",
-        "phloem.white_noise_amplitude", "phloem.thorn_length", "phloem.thorn_probability",
-        "bark.perlin_amplitude", "bark.perlin_frequency", "bark.white_noise_amplitude", "bark.thorn_length",
-        "bark.thorn_probability", "high.height", "high.direction", "high.angle", "high.rings", "low.height",
-        "low.direction", "low.angle", "low.rings", "ductile.thorn_length", "ductile.thorn_probability",
-        "ductile.direction", "ductile.angle", "ductile.rings", "brittle.thorn_length",
-        "brittle.thorn_probability", "crack_groups.distortion", "crack_groups.large.direction",
-        "crack_groups.large.spacing", "crack_groups.large.jitter", "crack_groups.large.begin_min",
-        "crack_groups.large.begin_max", "crack_groups.large.length_min", "crack_groups.large.length_max",
-        "crack_groups.large.depth_min", "crack_groups.large.depth_max", "crack_groups.large.range_min",
-        "crack_groups.large.range_max", "crack_groups.medium.direction", "crack_groups.medium.spacing",
-        "crack_groups.medium.jitter", "crack_groups.medium.begin_min", "crack_groups.medium.begin_max",
-        "crack_groups.medium.length_min", "crack_groups.medium.length_max", "crack_groups.medium.depth_min",
-        "crack_groups.medium.depth_max", "crack_groups.medium.range_min", "crack_groups.medium.range_max",
-        "crack_groups.small.direction", "crack_groups.small.spacing", "crack_groups.small.jitter",
-        "crack_groups.small.begin_min", "crack_groups.small.begin_max", "crack_groups.small.length_min",
-        "crack_groups.small.length_max", "crack_groups.small.depth_min", "crack_groups.small.depth_max",
-        "crack_groups.small.range_min", "crack_groups.small.range_max",
+        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
+        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
+        "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
+        "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
+        "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
+        "sapwood.white_noise_amplitude", "sapwood.thorn_length", "sapwood.thorn_probability",
+        "phloem.perlin_amplitude", "phloem.perlin_frequency", "phloem.white_noise_amplitude",
+        "phloem.thorn_length", "phloem.thorn_probability", "bark.perlin_amplitude", "bark.perlin_frequency",
+        "bark.white_noise_amplitude", "bark.thorn_length", "bark.thorn_probability", "high.height",
+        "high.direction", "high.angle", "high.rings", "low.height", "low.direction", "low.angle", "low.rings",
+        "ductile.thorn_length", "ductile.thorn_probability", "ductile.direction", "ductile.angle",
+        "ductile.rings", "brittle.thorn_length", "brittle.thorn_probability", "crack_groups.distortion",
+        "crack_groups.large.direction", "crack_groups.large.spacing", "crack_groups.large.jitter",
+        "crack_groups.large.begin_min", "crack_groups.large.begin_max", "crack_groups.large.length_min",
+        "crack_groups.large.length_max", "crack_groups.large.depth_min", "crack_groups.large.depth_max",
+        "crack_groups.large.range_min", "crack_groups.large.range_max", "crack_groups.medium.direction",
+        "crack_groups.medium.spacing", "crack_groups.medium.jitter", "crack_groups.medium.begin_min",
+        "crack_groups.medium.begin_max", "crack_groups.medium.length_min", "crack_groups.medium.length_max",
+        "crack_groups.medium.depth_min", "crack_groups.medium.depth_max", "crack_groups.medium.range_min",
+        "crack_groups.medium.range_max", "crack_groups.small.direction", "crack_groups.small.spacing",
+        "crack_groups.small.jitter", "crack_groups.small.begin_min", "crack_groups.small.begin_max",
+        "crack_groups.small.length_min", "crack_groups.small.length_max", "crack_groups.small.depth_min",
+        "crack_groups.small.depth_max", "crack_groups.small.range_min", "crack_groups.small.range_max",
     ], value: float | str) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
         "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
-        "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
+        "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage",
+        "crack_groups.small.shrinkage",
     ], value: float | str | None) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
