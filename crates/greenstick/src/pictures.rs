@@ -250,7 +250,7 @@ pub fn picture_of_break(
     } else if options.zoom.is_none() && options.shown.is_empty() {
         aim(broken, wood, &scene, &mut options);
     }
-    if is_opened && options.chips && options.floor && !options.shown.is_empty() {
+    if is_opened && options.chips && broken.report.face.surface == "fibrous" {
         (scene.nodes).push(view(broken, wood).chips(&options.shown, options.up));
     }
     render_scene(&scene, &shader, &options, context)

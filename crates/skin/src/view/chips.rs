@@ -34,7 +34,7 @@ pub const FALLEN: &str = "_FALLEN";
 
 impl BreakView<'_> {
     /// Returns chips of the wood inside that lie about both pieces of an opened break on the floor through the lowest of the points that
-    /// the picture shows.
+    /// the picture shows; none where there are no such points.
     pub fn chips(&self, shown: &[DVec3], up: DVec3) -> Node {
         let level = shown
             .iter()
@@ -49,8 +49,9 @@ impl BreakView<'_> {
         };
         let on_floor = |middle: DVec3| middle + up * (level - middle.dot(up));
         let middles = self.piece_middles().map(on_floor);
+        let count = if shown.is_empty() { 0 } else { COUNT };
         for (piece, other) in [(0, 1), (1, 0)] {
-            for number in 0..COUNT {
+            for number in 0..count {
                 let random = |k: i64| unit(PURPOSE, piece as i64, number, k);
                 fallen.add([middles[piece], middles[other]], random);
             }
