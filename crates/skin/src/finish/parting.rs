@@ -157,7 +157,7 @@ impl<'a> Parting<'a> {
     }
 
     /// Returns the way of a break: that which is requested or, if they are to be clear, the shortest beyond it on which the pieces do
-    /// not lie in each other, as they fit before anything bends.
+    /// not lie in each other.
     pub fn way(&self, asked: Separation, pieces: [&Mesh; 2]) -> Parted {
         // A piece that hangs on turns clear of the other.
         let until_clear = asked.until_clear && self.stages.stem.face.hang == 0.0;

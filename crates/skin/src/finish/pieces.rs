@@ -67,15 +67,14 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     };
     let mut splinters = Vec::new();
     let parting = Parting::new(stages);
-    // Splinters that bend afterwards do not fit, however far the pieces are.
-    let parted = parting.way(options.separation, [&lower, &upper]);
-    notes.extend(parted.note);
+    let asked = options.separation;
     if options.fray > 0.0 {
+        // Loose splinters lie between the pieces.
         let halves = [&lower, &upper];
-        ([lower, upper], splinters) =
-            frayed(stages, (options, parted.way), inner, halves, &mut notes)?;
+        let way = parting.way(asked, halves).way;
+        ([lower, upper], splinters) = frayed(stages, (options, way), inner, halves, &mut notes)?;
     }
-    let leans = lean(stages, parted.way, &mut [&mut lower, &mut upper]);
+    let leans = lean(stages, asked.way, &mut [&mut lower, &mut upper]);
     if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
         notes.push(BreakNote::NoSpiralGrain);
     }
@@ -88,6 +87,8 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         });
     }
     let turn = turn.unwrap_or_default();
+    let parted = parting.way(asked, [&lower, &upper]);
+    notes.extend(parted.note);
     let moved = parting.after(parted.way) * turn;
     let mut meshes = vec![
         (PieceRole::Lower, lower, DAffine3::IDENTITY),
