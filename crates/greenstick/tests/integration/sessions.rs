@@ -254,6 +254,7 @@ fn several(places: &[f64]) -> BreakRequest {
         Break {
             place: StemLocation::Fraction(at),
             separation: 0.03,
+            part_clear: false,
             ..one.breaks.remove(0)
         }
     };
