@@ -22,7 +22,7 @@ const LEAST_LENGTH: f64 = 0.01;
 ///     triangles: vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]],
 ///     ..Mesh::default()
 /// };
-/// let rays = ParallelRays { axes: [DVec3::X, DVec3::Y, DVec3::Z], spacing: 0.01 };
+/// let rays = ParallelRays { axes: [DVec3::X, DVec3::Y, DVec3::Z], spacing: 0.002 };
 /// // Moved by half an edge, it shares a tetrahedron half as large with itself.
 /// let moved = DAffine3::from_translation(DVec3::X * 0.5);
 /// let region = rays.bounds(tetrahedron.positions.iter().copied());

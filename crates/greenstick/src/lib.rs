@@ -13,7 +13,6 @@
 //!     ..BreakRequest::single(Break {
 //!         place: "0.4".parse()?, // or "12cm", or the point "0.3,2.1,-0.4"
 //!         recipe: Recipe::resolve(&["simple-tension"], None, &["species=white oak", "seed=7"])?,
-//!         separation: 0.03, // m
 //!         ..Break::default()
 //!     })
 //! };
