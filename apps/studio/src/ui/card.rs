@@ -6,8 +6,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// The card that the window draws on.
 #[derive(Default)]
 pub struct Card {
-    /// The device. That it is held here keeps the end of a window, which drops its own, from being taken for a loss.
-    pub(super) device: Option<wgpu::Device>,
+    /// The device and its queue. That they are held here keeps the end of a window, which drops its own, from being taken for a loss;
+    /// and a device whose queue is gone never tells that it was lost.
+    pub(super) device: Option<(wgpu::Device, wgpu::Queue)>,
     /// Why it was lost, once it was.
     pub(super) lost: Arc<Mutex<Option<String>>>,
     /// Whether it is the processor, which draws slowly.
@@ -37,7 +38,7 @@ impl Card {
 
     /// Why it was lost, if it was.
     pub(super) fn why_lost(&self) -> Option<String> {
-        if let Some(device) = &self.device {
+        if let Some((device, _)) = &self.device {
             // A device tells of its end only where it is asked for news. What it answers besides is of no use here.
             let _ = device.poll(wgpu::PollType::Poll);
         }

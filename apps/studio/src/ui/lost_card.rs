@@ -28,7 +28,7 @@ impl Studio {
                 ctx.request_repaint();
             });
         self.card = Card {
-            device: Some(state.device.clone()),
+            device: Some((state.device.clone(), state.queue.clone())),
             lost,
             is_slow: state.adapter.get_info().device_type == wgpu::DeviceType::Cpu,
             place: self.card.place,
