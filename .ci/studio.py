@@ -141,7 +141,9 @@ def main():
     for file in pathlib.Path(mesh).parent.glob(pathlib.Path(mesh).stem + ".*"):
         shutil.copy(file, folder)
     copy = folder / pathlib.Path(mesh).name
-    server = subprocess.Popen(["Xvfb", DISPLAY, "-screen", "0", f"{WIDTH}x{HEIGHT}x24"], stderr=subprocess.DEVNULL)
+    # Reset where its last client leaves, it would refuse the studio just after it answered what asked for it.
+    screen = ["-screen", "0", f"{WIDTH}x{HEIGHT}x24", "-noreset"]
+    server = subprocess.Popen(["Xvfb", DISPLAY, *screen], stderr=subprocess.DEVNULL)
     os.environ["DISPLAY"] = DISPLAY
     try:
         wait_for("a display", lambda: xdotool("getdisplaygeometry"))
