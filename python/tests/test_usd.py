@@ -121,8 +121,6 @@ def test_a_forest_of_usd_breaks(stage: Path, tmp_path: Path) -> None:
             },
             "break.rings": 6,
             "break.sectors": 12,
-            "break.splinter_lean": 0,
-            "break.splinter_snap": 0,
             "vary": {"moisture": {"between": [10, 30]}},
         },
         tmp_path / "storm",

@@ -11,9 +11,6 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
 }
 
-/// Splinters that stay straight, so that volumes add up.
-const STRAIGHT: [&str; 4] = ["--set", "splinter_lean=0", "--set", "splinter_snap=0"];
-
 /// Asserts that the pieces are closed and have the input's volume together.
 fn assert_volumes_add_up(report: &Value) {
     let pieces = report["pieces"].as_array().unwrap();
@@ -50,8 +47,15 @@ fn without_arguments_a_branch_breaks_into_two_files_and_a_report() {
 #[test]
 fn the_json_report_has_all_numbers_and_nothing_else_is_printed() {
     let folder = Folder::new();
-    let arguments = ["--json", "-o", "a.glb", "--picture", "a.png"];
-    let run = folder.quick(&[&arguments, &STRAIGHT[..], &["--species", "white oak"]].concat());
+    let run = folder.quick(&[
+        "--json",
+        "-o",
+        "a.glb",
+        "--picture",
+        "a.png",
+        "--species",
+        "white oak",
+    ]);
     assert_eq!((run.code, run.err.as_str()), (0, ""));
     let report = json(&run.out);
     assert_volumes_add_up(&report);
@@ -232,7 +236,7 @@ fn a_recipe_may_hold_several_breaks_of_one_stem() {
     let folder = Folder::new();
     folder.write(
         "two.toml",
-        "break.rings = 10\nbreak.splinter_lean = 0\nbreak.splinter_snap = 0\n[[breaks]]\nat = 0.3\n[[breaks]]\nat = '40 cm'\npart = '2 cm'\n",
+        "break.rings = 10\n[[breaks]]\nat = 0.3\n[[breaks]]\nat = '40 cm'\npart = '2 cm'\n",
     );
     let run = folder.quick(&["--recipe", "two.toml", "-o", "two.glb", "--json"]);
     assert_eq!(run.code, 0, "{}", run.err);
@@ -281,15 +285,14 @@ fn scanned_and_modelled_wood_breaks() {
     for (name, at) in [("pole.ply", "0.4"), ("homecart_cutting_board.gltf", "0.5")] {
         let path = data(name);
         let folder = Folder::new();
-        let arguments = [
+        let run = folder.quick(&[
             path.to_str().unwrap(),
             "--at",
             at,
             "--json",
             "-o",
             "out.glb",
-        ];
-        let run = folder.quick(&[&arguments, &STRAIGHT[..]].concat());
+        ]);
         assert_eq!(run.code, 0, "{name}: {}", run.err);
         let report = json(&run.out);
         // The pole is in millimetres, which its format cannot say.

@@ -232,7 +232,6 @@ fn cracked_ends_of_any_stem_are_sound_in_the_file() {
         recipe.cracks = random(2000 + seed);
         recipe.cracks.settings.set_text("end", "sawn").unwrap();
         recipe.face.seed = seed;
-        (recipe.face.splinter_lean, recipe.face.splinter_snap) = (Some(0.0), Some(0.0));
         recipe.face.set_text("rings", "8").unwrap();
         recipe.face.set_text("sectors", "16").unwrap();
         let broken = break_scene(scene(mesh.clone(), 1.0), &request, &Context::quiet());

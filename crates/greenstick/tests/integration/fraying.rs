@@ -152,11 +152,7 @@ fn bent_pieces_stay_whole_and_splinters_lie_clear_of_the_stem() {
 #[test]
 fn without_fray_nothing_changes_and_the_same_seed_gives_the_same() {
     let broken = |fray: f64, seed: u64| {
-        let settings = [
-            &*format!("seed={seed}"),
-            "splinter_lean=0",
-            "splinter_snap=0",
-        ];
+        let settings = [&*format!("seed={seed}")];
         let request = BreakRequest {
             texture_width: 16,
             ..BreakRequest::single(Break {

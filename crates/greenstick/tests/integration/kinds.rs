@@ -13,9 +13,6 @@ fn broken(scene: &Scene, kind: Option<StemKind>) -> (Broken, bool) {
         ..BreakRequest::default()
     };
     request.stem.kind = kind;
-    // Straight splinters: halves fit exactly.
-    let face = &mut request.breaks[0].recipe.face;
-    (face.splinter_lean, face.splinter_snap) = (Some(0.0), Some(0.0));
     let mut session = BreakSession::new(scene.clone());
     let broken = session.broken(&request, &Context::quiet()).unwrap();
     let stages = session.stages(&request, &Context::quiet()).unwrap();

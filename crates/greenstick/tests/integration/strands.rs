@@ -73,8 +73,7 @@ fn across(mesh: &Mesh, axis: glam::DVec3) -> f64 {
 #[test]
 fn strands_run_along_the_grain_within_the_bark() {
     // Halves that fit: strands of one lie in the other.
-    // Straight splinters: what leans takes its strands along.
-    let made = broken("", &["splinter_lean=0", "splinter_snap=0"], None);
+    let made = broken("", &[], None);
     let wood = &made.woods[0];
     let axis = wood.stem.grain.axis().frame(wood.stem.location).tangent;
     for node in fuzz(&made) {

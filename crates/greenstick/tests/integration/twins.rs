@@ -16,10 +16,7 @@ fn at(places: &[StemLocation]) -> BreakRequest {
             place,
             ..Break::default()
         };
-        let face = &mut one.recipe.face;
-        (face.rings, face.sectors) = (10, 24);
-        // Straight splinters: volumes add up.
-        (face.splinter_lean, face.splinter_snap) = (Some(0.0), Some(0.0));
+        (one.recipe.face.rings, one.recipe.face.sectors) = (10, 24);
         one
     };
     BreakRequest {

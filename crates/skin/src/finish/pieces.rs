@@ -153,9 +153,13 @@ fn frayed(
 fn lean(stages: &BreakStages, way: f64, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport; 2]> {
     let p = &stages.stem.face;
     // Halves that lie in each other have had no room to spring apart.
-    let apart = f64::from(u8::from(way > 0.0 || p.hang > 0.0));
-    let degrees = p.splinter_lean.unwrap_or(LEAN * apart);
-    let snapped = p.splinter_snap.unwrap_or(SNAPPED * apart);
+    let (lean, snap) = if way > 0.0 || p.hang > 0.0 {
+        (LEAN, SNAPPED)
+    } else {
+        (0.0, 0.0)
+    };
+    let degrees = p.splinter_lean.unwrap_or(lean);
+    let snapped = p.splinter_snap.unwrap_or(snap);
     if (degrees == 0.0 && snapped == 0.0) || p.surface == SurfaceStyle::Smooth {
         return None;
     }
