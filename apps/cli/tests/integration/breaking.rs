@@ -236,7 +236,7 @@ fn a_recipe_may_hold_several_breaks_of_one_stem() {
     let folder = Folder::new();
     folder.write(
         "two.toml",
-        "break.rings = 10\n[[breaks]]\nat = 0.3\n[[breaks]]\nat = '40 cm'\npart = '2 cm'\n",
+        "break.rings = 10\nbreak.splinter_lean = 0\nbreak.splinter_snap = 0\n[[breaks]]\nat = 0.3\n[[breaks]]\nat = '40 cm'\npart = '2 cm'\n",
     );
     let run = folder.quick(&["--recipe", "two.toml", "-o", "two.glb", "--json"]);
     assert_eq!(run.code, 0, "{}", run.err);
