@@ -128,14 +128,13 @@ pub fn plan(parameters: &CrackParameters, shrinkage: (f64, f64), seed: u64) -> C
         all.extend((0..group.count).map(|i| drawn(group, g, i, shrinkage.0, seed)));
     }
     let mut plan = CrackPlan::default();
-    let mut taken: Vec<(Vec<DVec2>, f64)> = Vec::new();
+    let mut taken: Vec<(Course, f64)> = Vec::new();
     for (number, straight) in all.iter().enumerate() {
         let fits = LENGTH_ATTEMPTS.iter().find_map(|&part| {
             let crack = distorted(&shortened(straight, part), s.distortion, seed, number);
-            let (course, half) = (crack.points(), crack.half_width());
-            let free = taken
-                .iter()
-                .all(|(other, h)| distance(&course, other) > half + h + MIN_DISTANCE);
+            let (course, half) = (Course::new(crack.points()), crack.half_width());
+            let free =
+                (taken.iter()).all(|(other, h)| course.keeps(half + h + MIN_DISTANCE, other));
             free.then_some((crack, course, half, part))
         });
         match fits {
@@ -292,26 +291,48 @@ fn folds(crack: &PlannedCrack) -> bool {
     })
 }
 
-/// Returns the least distance between two courses; 0 where they cross.
-fn distance(a: &[DVec2], b: &[DVec2]) -> f64 {
+/// A course in ring coordinates, and the rectangle around it.
+struct Course {
+    points: Vec<DVec2>,
+    low: DVec2,
+    high: DVec2,
+}
+
+impl Course {
+    fn new(points: Vec<DVec2>) -> Self {
+        let around = |f: fn(DVec2, DVec2) -> DVec2| points.iter().copied().reduce(f);
+        Course {
+            low: around(DVec2::min).unwrap_or_default(),
+            high: around(DVec2::max).unwrap_or_default(),
+            points,
+        }
+    }
+
+    /// Whether a course keeps more than a distance from another.
+    fn keeps(&self, distance: f64, other: &Course) -> bool {
+        let is_near = |low: DVec2, high: DVec2| {
+            (low - distance).cmple(other.high).all() && (high + distance).cmpge(other.low).all()
+        };
+        let steps = self.points.windows(2);
+        !is_near(self.low, self.high)
+            || (steps.filter(|p| is_near(p[0].min(p[1]), p[0].max(p[1])))).all(|p| {
+                let mut others = other.points.windows(2);
+                others.all(|q| step_distance(p, q) > distance)
+            })
+    }
+}
+
+/// Returns the least distance between two steps of courses; 0 where they cross.
+fn step_distance(p: &[DVec2], q: &[DVec2]) -> f64 {
+    let side = |r: &[DVec2], x: DVec2| (r[1] - r[0]).perp_dot(x - r[0]);
+    if side(p, q[0]) * side(p, q[1]) < 0.0 && side(q, p[0]) * side(q, p[1]) < 0.0 {
+        return 0.0;
+    }
     let to = |p: DVec2, q: &[DVec2]| {
         let d = q[1] - q[0];
         let t = ((p - q[0]).dot(d) / d.length_squared().max(1e-300)).clamp(0.0, 1.0);
         p.distance(q[0] + d * t)
     };
-    let mut least = f64::INFINITY;
-    for p in a.windows(2) {
-        for q in b.windows(2) {
-            let side = |r: &[DVec2], x: DVec2| (r[1] - r[0]).perp_dot(x - r[0]);
-            if side(p, q[0]) * side(p, q[1]) < 0.0 && side(q, p[0]) * side(q, p[1]) < 0.0 {
-                return 0.0;
-            }
-            least = least
-                .min(to(p[0], q))
-                .min(to(p[1], q))
-                .min(to(q[0], p))
-                .min(to(q[1], p));
-        }
-    }
-    least
+    let ends = [to(p[0], q), to(p[1], q), to(q[0], p), to(q[1], p)];
+    ends.into_iter().fold(f64::INFINITY, f64::min)
 }

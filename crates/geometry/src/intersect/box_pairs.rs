@@ -5,7 +5,7 @@
 //! time and in `f32`. That costs far less than a tree does to build. Where a column is crowded all along, a tree of its boxes is
 //! used instead.
 
-use crate::{Aabb, Bvh};
+use crate::{Aabb, Bvh, Cancelled, Context};
 use glam::DVec3;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
@@ -25,25 +25,31 @@ const COLUMNS: usize = 16;
 /// Returns the pairs of different boxes that overlap, at least one of them among the first `chosen`, and that are `wanted`: called
 /// once for each pair, the smaller index first. Pairs are ascending. Boxes that are empty or have a coordinate that is not a number
 /// overlap nothing.
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancelled.
 pub(crate) fn overlapping_pairs(
     boxes: &[Aabb],
     chosen: usize,
     wanted: impl Fn(usize, usize) -> bool + Sync,
-) -> Vec<[u32; 2]> {
+    context: &Context,
+) -> Result<Vec<[u32; 2]>, Cancelled> {
     let mut pairs = match Grid::new(boxes) {
-        Some(grid) => grid.pairs(boxes, chosen, wanted),
+        Some(grid) => grid.pairs(boxes, chosen, wanted, context),
         None => {
             let mut pairs = Vec::new();
-            Bvh::new(boxes).self_pairs(|a, b| {
+            Bvh::new(boxes).self_pairs_while(|a, b| {
                 if a < chosen && wanted(a, b) {
                     pairs.push([a as u32, b as u32]);
                 }
+                context.check().is_ok()
             });
             pairs
         }
     };
+    context.check()?;
     pairs.sort_unstable();
-    pairs
+    Ok(pairs)
 }
 
 /// Boxes by the cells that they cover across the first axis, ascending along it in each.
@@ -143,14 +149,18 @@ impl Grid {
         count
     }
 
-    /// The pairs of [`overlapping_pairs`], in no particular order.
+    /// The pairs of [`overlapping_pairs`], in no particular order; only some of them where the caller cancelled.
     fn pairs(
         &self,
         boxes: &[Aabb],
         chosen: usize,
         wanted: impl Fn(usize, usize) -> bool + Sync,
+        context: &Context,
     ) -> Vec<[u32; 2]> {
         let in_cell = |(mut column, mut pairs): (Column, Vec<[u32; 2]>), cell: usize| {
+            if context.check().is_err() {
+                return (column, pairs);
+            }
             let members = &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize];
             column.take(self, cell, (members, boxes), chosen);
             column.pairs(members, boxes, |a, b| {
@@ -345,7 +355,7 @@ mod tests {
     }
 
     fn found(boxes: &[Aabb], chosen: usize) -> Vec<[u32; 2]> {
-        overlapping_pairs(boxes, chosen, |_, _| true)
+        overlapping_pairs(boxes, chosen, |_, _| true, &Context::quiet()).unwrap()
     }
 
     fn expected(boxes: &[Aabb], chosen: usize) -> Vec<[u32; 2]> {

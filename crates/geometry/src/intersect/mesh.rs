@@ -118,6 +118,7 @@ pub(crate) fn self_contacts_while(
     most: usize,
     mut visit: impl FnMut(usize, usize, Contact) -> bool,
 ) -> bool {
+    let contacts = TriangleContacts::new(&mesh.positions, &mesh.triangles);
     let mut left = most;
     let mut complete = true;
     tree.self_pairs_while(|s, t| {
@@ -126,7 +127,7 @@ pub(crate) fn self_contacts_while(
             return false;
         }
         left -= 1;
-        let found = contact(mesh.corners(s), mesh.corners(t));
+        let found = contacts.between(s, t);
         complete = found == Contact::Apart || visit(s, t, found);
         complete
     });

@@ -6,7 +6,7 @@
 //! refining triangular grids suitable for adaptive and multigrid techniques*, 1984), until nothing crosses.
 
 use crate::intersect::{Contact, TriangleContacts, contact, contact_boxes, overlapping_pairs};
-use crate::{Aabb, Bvh, Mesh};
+use crate::{Aabb, Bvh, Cancelled, Context, Mesh};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 
@@ -163,7 +163,9 @@ pub fn crossing_pairs(
             triangles: triangles.to_vec(),
             ..Mesh::default()
         };
-        return crossing_pairs_within(positions, triangles, triangles.len(), &contact_boxes(&all));
+        let (count, boxes) = (triangles.len(), contact_boxes(&all));
+        let pairs = crossing_pairs_within(positions, triangles, count, &boxes, &Context::quiet());
+        return pairs.unwrap_or_default();
     };
     let mut pairs = Vec::new();
     // Few have changed, mostly: a tree of those alone is quickly built.
@@ -187,14 +189,17 @@ pub fn crossing_pairs(
 /// Returns the pairs of triangles that cross and at least one of which is among the first `count`, ascending. `boxes` has
 /// a box for each triangle, in any coordinates in which the boxes of triangles that cross overlap: the tighter they
 /// are, the fewer pairs have to be looked at.
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancelled.
 pub fn crossing_pairs_within(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
     count: usize,
     boxes: &[Aabb],
-) -> Vec<[u32; 2]> {
+    context: &Context,
+) -> Result<Vec<[u32; 2]>, Cancelled> {
     let contacts = TriangleContacts::new(positions, triangles);
-    overlapping_pairs(boxes, count, |s, t| {
-        contacts.between(s, t) == Contact::Crossing
-    })
+    let crosses = |s, t| contacts.between(s, t) == Contact::Crossing;
+    overlapping_pairs(boxes, count, crosses, context)
 }

@@ -8,9 +8,9 @@
 use super::bisection::{crossing_pairs, crossing_pairs_within};
 use super::collapse::{CollapseTo, Collapsed, EdgeCollapser};
 use super::snap::snap_with_topology;
-use crate::Mesh;
 use crate::components::Topology;
 use crate::intersect::{collinear, contact_boxes};
+use crate::{Cancelled, Context, Mesh};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
@@ -66,8 +66,15 @@ fn position_key(p: DVec3) -> (u64, u32) {
 /// Collapses short edges until no triangle crosses another, is degenerate or shares an edge with more than one other.
 /// Triangles with all corners at `known` positions are left as they are. Snap positions to `f32` first
 /// ([`super::snap_to_f32`]).
-pub fn resolve_self_intersections(mesh: &mut Mesh, known: &KnownPositions) -> Collapsed {
-    resolve(mesh, known, Topology::of(mesh), None).0
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancelled; the mesh is then as it was.
+pub fn resolve_self_intersections(
+    mesh: &mut Mesh,
+    known: &KnownPositions,
+    context: &Context,
+) -> Result<Collapsed, Cancelled> {
+    resolve(mesh, known, Topology::of(mesh), None, context).map(|done| done.0)
 }
 
 /// The triangles of a broken face in a mesh, ascending, and the pairs of them that cross, by their places in that list.
@@ -89,18 +96,30 @@ pub struct Rounded {
 
 /// Snaps a mesh to `f32` ([`super::snap_to_f32`]), resolves its self-intersections ([`resolve_self_intersections`]) and
 /// measures the outcome ([`Mesh::closed_volume`]), finding its points and edges once.
-pub fn round_to_f32(mesh: &mut Mesh, inner: u32, known: &KnownPositions) -> Rounded {
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancelled.
+pub fn round_to_f32(
+    mesh: &mut Mesh,
+    inner: u32,
+    known: &KnownPositions,
+    context: &Context,
+) -> Result<Rounded, Cancelled> {
     let topology = snap_with_topology(mesh, inner);
-    resolved(mesh, known, topology, None)
+    resolved(mesh, known, topology, None, context)
 }
 
 /// As [`round_to_f32`] of each of the two halves of a break, at the same time. Mostly both have the same face, of material `inner`,
 /// seen from either side: then the crossings in it are looked for once.
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancelled.
 pub fn round_halves_to_f32(
     [one, other]: [&mut Mesh; 2],
     inner: u32,
     known: &KnownPositions,
-) -> [Rounded; 2] {
+    context: &Context,
+) -> Result<[Rounded; 2], Cancelled> {
     let snapped = rayon::join(
         || snap_with_topology(one, inner),
         || snap_with_topology(other, inner),
@@ -110,11 +129,14 @@ pub fn round_halves_to_f32(
         face.filter(|&t| mesh.material(t as usize) == inner)
             .collect()
     });
-    let crossing: Option<Vec<[u32; 2]>> = is_same_face([one, other], &faces).then(|| {
+    let crossing = if is_same_face([one, other], &faces) {
         let corners = |&t: &u32| one.triangles[t as usize].map(|v| snapped.0.points[v as usize]);
         let triangles = faces[0].iter().map(corners).collect();
-        crossing_among(snapped.0.positions(one), triangles, usize::MAX)
-    });
+        let positions = snapped.0.positions(one);
+        Some(crossing_among(positions, triangles, usize::MAX, context)?)
+    } else {
+        None
+    };
     let crossings = faces.each_ref().map(|triangles| {
         let crossing = crossing.as_deref();
         crossing.map(|crossing| FaceCrossings {
@@ -124,10 +146,10 @@ pub fn round_halves_to_f32(
     });
     let [of_one, of_other] = crossings;
     let (one, other) = rayon::join(
-        || resolved(one, known, snapped.0, of_one),
-        || resolved(other, known, snapped.1, of_other),
+        || resolved(one, known, snapped.0, of_one, context),
+        || resolved(other, known, snapped.1, of_other, context),
     );
-    [one, other]
+    Ok([one?, other?])
 }
 
 /// Whether two meshes have the same face, each seen from its own side: the same triangles at the same places, turned over.
@@ -146,15 +168,16 @@ fn resolved(
     known: &KnownPositions,
     topology: Topology,
     face: Option<FaceCrossings>,
-) -> Rounded {
-    let (collapsed, topology) = resolve(mesh, known, topology, face);
+    context: &Context,
+) -> Result<Rounded, Cancelled> {
+    let (collapsed, topology) = resolve(mesh, known, topology, face, context)?;
     let topology = topology.unwrap_or_else(|| Topology::of(mesh));
     let (closed, volume) = mesh.closed_volume_with(&topology);
-    Rounded {
+    Ok(Rounded {
         collapsed,
         closed,
         volume,
-    }
+    })
 }
 
 /// Returns the topology again where nothing was collapsed. Otherwise it is dropped before the mesh is copied: of a large mesh it takes
@@ -164,7 +187,8 @@ fn resolve(
     known: &KnownPositions,
     topology: Topology,
     face: Option<FaceCrossings>,
-) -> (Collapsed, Option<Topology>) {
+    context: &Context,
+) -> Result<(Collapsed, Option<Topology>), Cancelled> {
     let (low, high) = mesh
         .positions
         .iter()
@@ -178,7 +202,7 @@ fn resolve(
     let is_ours: Vec<bool> = (mesh.triangles.iter())
         .map(|t| !t.iter().all(|&v| is_known(v)))
         .collect();
-    let faults = faults_among(mesh, &is_ours, (positions, &topology), face);
+    let faults = faults_among(mesh, &is_ours, (positions, &topology), face, context)?;
     let found = faults.len();
     if faults.is_empty() || !extent.is_finite() {
         let done = Collapsed {
@@ -186,7 +210,7 @@ fn resolve(
             remaining: found,
             ..Collapsed::default()
         };
-        return (done, Some(topology));
+        return Ok((done, Some(topology)));
     }
     drop(topology);
     let attempt = |end: CollapseTo| {
@@ -196,35 +220,37 @@ fn resolve(
             faults: found,
             ..Collapsed::default()
         };
-        done.remaining = collapse_faults(&mut collapser, &faults, &is_ours, extent, &mut done);
-        (collapser, done)
+        let ours = (&is_ours[..], extent);
+        done.remaining = collapse_faults(&mut collapser, &faults, ours, &mut done, context)?;
+        Ok::<_, Cancelled>((collapser, done))
     };
-    let mut best = attempt(CollapseTo::First);
+    let mut best = attempt(CollapseTo::First)?;
     if best.1.remaining > 0 {
         // Triangles that still cross with edges collapsed to one of their ends may not with edges collapsed to the other.
-        let other = attempt(CollapseTo::Second);
+        let other = attempt(CollapseTo::Second)?;
         if other.1.remaining < best.1.remaining {
             best = other;
         }
     }
     let (collapser, done) = best;
     collapser.write_back(mesh);
-    (done, None)
+    Ok((done, None))
 }
 
 /// Collapses edges of the `faults` of a mesh of this extent in rounds. Returns how many are left.
 fn collapse_faults(
     collapser: &mut EdgeCollapser,
     faults: &[[u32; 2]],
-    is_ours: &[bool],
-    extent: f64,
+    (is_ours, extent): (&[bool], f64),
     done: &mut Collapsed,
-) -> usize {
+    context: &Context,
+) -> Result<usize, Cancelled> {
     let is_faulty = |collapser: &EdgeCollapser, t: u32| {
         is_ours[t as usize] && (collapser.is_degenerate(t) || collapser.is_non_manifold(t))
     };
     let mut faults = faults.to_vec();
     for round in 0..ROUNDS {
+        context.check()?;
         let longest = extent * FIRST_LENGTH * f64::from(1 << round);
         let changed = collapser.collapse_edges(&faults, longest, &|_| false, done);
         if changed.is_empty() {
@@ -251,7 +277,7 @@ fn collapse_faults(
             break;
         }
     }
-    faults.len()
+    Ok(faults.len())
 }
 
 /// Returns the faults of the triangles that are `chosen`: pairs that cross, then as pairs with themselves those without
@@ -261,7 +287,8 @@ fn faults_among(
     chosen: &[bool],
     (positions, topology): (Vec<DVec3>, &Topology),
     face: Option<FaceCrossings>,
-) -> Vec<[u32; 2]> {
+    context: &Context,
+) -> Result<Vec<[u32; 2]>, Cancelled> {
     let mut is_faulty: Vec<bool> = (0..chosen.len())
         .map(|t| {
             let [a, b, c] = mesh.corners(t);
@@ -287,7 +314,7 @@ fn faults_among(
     ours.extend(face.0.iter().copied().filter(is_chosen));
     let at_points = |t: &u32| mesh.triangles[*t as usize].map(|v| topology.points[v as usize]);
     let triangles = ours.iter().map(at_points).collect();
-    let crossing = crossing_among(positions, triangles, unknown);
+    let crossing = crossing_among(positions, triangles, unknown, context)?;
     let ascending = |[s, t]: [u32; 2]| [s.min(t), s.max(t)];
     let mut faults: Vec<[u32; 2]> = (crossing.into_iter())
         .map(|pair| ascending(pair.map(|i| ours[i as usize])))
@@ -297,11 +324,16 @@ fn faults_among(
     faults.sort_unstable();
     let alone = (0..chosen.len() as u32).filter(|&t| is_faulty[t as usize]);
     faults.extend(alone.map(|t| [t, t]));
-    faults
+    Ok(faults)
 }
 
 /// Returns the pairs of triangles on points that cross, of which at least one is among the first `count`, ascending.
-fn crossing_among(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, count: usize) -> Vec<[u32; 2]> {
+fn crossing_among(
+    positions: Vec<DVec3>,
+    triangles: Vec<[u32; 3]>,
+    count: usize,
+    context: &Context,
+) -> Result<Vec<[u32; 2]>, Cancelled> {
     let part = Mesh {
         positions,
         triangles,
@@ -312,6 +344,7 @@ fn crossing_among(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>, count: usize)
         &part.triangles,
         count,
         &contact_boxes(&part),
+        context,
     )
 }
 
@@ -366,10 +399,13 @@ mod tests {
             ];
             let known = KnownPositions::from_mesh(&halves[0].submesh([0, 1, 50, 51].into_iter()));
             let mut alone = halves.clone();
-            let expected = alone.each_mut().map(|mesh| round_to_f32(mesh, 1, &known));
+            let expected = alone
+                .each_mut()
+                .map(|mesh| round_to_f32(mesh, 1, &known, &Context::quiet()).unwrap());
             let faces = [40..160, 50..170].map(|face| face.collect());
             assert_eq!(is_same_face(halves.each_ref(), &faces), is_same);
-            let rounded = round_halves_to_f32(halves.each_mut(), 1, &known);
+            let rounded =
+                round_halves_to_f32(halves.each_mut(), 1, &known, &Context::quiet()).unwrap();
             assert_eq!(rounded, expected);
             assert_eq!(halves, alone);
             assert!(rounded.iter().all(|half| half.collapsed.faults > 20));

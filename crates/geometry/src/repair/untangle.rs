@@ -8,7 +8,7 @@
 
 use super::bisection::crossing_pairs;
 use crate::intersect::{Contact, contact};
-use crate::{Aabb, Bvh};
+use crate::{Aabb, Bvh, Context};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
 
@@ -33,6 +33,8 @@ pub struct Untangler<'a> {
     pub is_free: &'a dyn Fn(u32) -> bool,
     /// The greatest distance that a vertex is moved.
     pub reach: f64,
+    /// Once the caller cancels in it, no further vertex is moved.
+    pub context: &'a Context,
 }
 
 /// What moving vertices has led to.
@@ -70,6 +72,9 @@ impl Untangler<'_> {
         for _ in 0..ROUNDS {
             let mut changed: Vec<u32> = Vec::new();
             for v in self.vertices_of(pairs) {
+                if self.context.check().is_err() {
+                    break;
+                }
                 let own = around[v as usize].clone();
                 let from = self.positions[v as usize];
                 if self.improve(v, own, &first, (&boxes, &tree), &taken) {
@@ -310,6 +315,7 @@ mod tests {
             triangles: &triangles,
             is_free: &|v| v < upper,
             reach: 0.5,
+            context: &Context::quiet(),
         }
         .untangle(&mut pairs);
         assert!(pairs.is_empty(), "{pairs:?}");
@@ -338,6 +344,7 @@ mod tests {
             triangles: &triangles,
             is_free: &|v| v < upper,
             reach: 0.5,
+            context: &Context::quiet(),
         }
         .untangle(&mut pairs);
         assert!(pairs.is_empty(), "{pairs:?}");
@@ -357,6 +364,7 @@ mod tests {
             triangles: &triangles,
             is_free: &|_| false,
             reach: 0.5,
+            context: &Context::quiet(),
         }
         .untangle(&mut pairs);
         assert_eq!(

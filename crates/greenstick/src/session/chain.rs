@@ -191,10 +191,10 @@ impl Chain {
             cracks: at_break.map(|_| CrackRequest::new(recipe)),
             material: stem.inner_material,
         };
-        let workspace = &mut self.workspace.0;
+        let means = (&mut self.workspace.0, &cut_context);
         let cut = self.cut.get(key, ids, |_| {
             let surface = &heights.value.heights.surface;
-            CutStage::new((&stem, &layout.value, p), surface, at_break, workspace)
+            CutStage::new((&stem, &layout.value, p), surface, at_break, means)
         })?;
         changes.note(BreakStage::Cut, cut.is_new);
         cut_context.report(1.0)?;

@@ -266,7 +266,7 @@ impl BreakSession {
                         separation: Separation::new(requested.separation, requested.part_clear),
                         most_triangles: requested.triangles,
                     };
-                    finish(&stages, &options)
+                    finish(&stages, &options, &finishing)
                 })?;
                 Ok::<_, Error>((stages, pieces, requested))
             };

@@ -33,7 +33,13 @@ fn crack_break(
 ) -> Result<CrackedBreak, BreakError> {
     let stages = stages(session, at, p);
     let (stem, inner) = (stages.stem.stem(), stages.inner_wood(p));
-    let faces = crack_faces(stem, &stages.heights.heights.surface, plan, &inner)?;
+    let faces = crack_faces(
+        stem,
+        &stages.heights.heights.surface,
+        plan,
+        &inner,
+        &Context::quiet(),
+    )?;
     let cracked = [0, 1].map(|i| faces[i].piece(stem, &inner, i == 1));
     let volume = |pieces: &[Mesh; 2]| pieces.iter().map(Mesh::volume).sum::<f64>();
     Ok(CrackedBreak {
@@ -138,7 +144,7 @@ fn assert_sound(mesh: &Mesh, what: &str) {
     assert_eq!(crossings(mesh), 0, "{what}");
     let mut written = mesh.clone();
     snap_to_f32(&mut written, 1);
-    let done = resolve_self_intersections(&mut written, &Default::default());
+    let done = resolve_self_intersections(&mut written, &Default::default(), &Context::quiet());
     assert_closed(&written, &format!("{what}, as written"));
     assert_eq!(crossings(&written), 0, "{what}, as written: {done:?}");
     let change = written.volume() / mesh.volume() - 1.0;

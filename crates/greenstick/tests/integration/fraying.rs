@@ -33,13 +33,18 @@ fn parameters(settings: &[&str]) -> BreakParameters {
 struct Made {
     stages: BreakStages,
     pieces: [Mesh; 2],
+    context: Context,
 }
 
 impl Made {
     fn new(scene: Scene, p: &BreakParameters) -> Self {
         let stages = stages(&mut BreakSession::new(scene), 0.5, p);
         let pieces = pieces(&stages, p);
-        Made { stages, pieces }
+        Made {
+            stages,
+            pieces,
+            context: Context::quiet(),
+        }
     }
 
     fn frayed(&self, p: &BreakParameters, amount: f64) -> FrayedBreak<'_> {
@@ -52,6 +57,7 @@ impl Made {
             amount,
             separation: 0.0,
             seed: p.seed,
+            context: &self.context,
         }
     }
 }

@@ -19,7 +19,7 @@ fn bent_limb() -> Scene {
     }
 }
 
-/// A closed mesh that is asked where it is solid.
+/// A closed mesh that is asked where lines along x are in it.
 struct Solid {
     corners: Vec<[DVec3; 3]>,
     tree: Bvh,
@@ -35,23 +35,21 @@ impl Solid {
         Solid { corners, tree }
     }
 
-    /// Whether a ray along x leaves from inside.
-    fn contains(&self, p: DVec3) -> bool {
-        let meets = |b: &Aabb| {
-            b.high.x >= p.x
-                && (b.low.y..=b.high.y).contains(&p.y)
-                && (b.low.z..=b.high.z).contains(&p.z)
-        };
-        let mut crossings = 0;
+    /// Where the line along x through a point of the plane across it passes the surface, ascending.
+    fn crossings(&self, at: DVec2) -> Vec<f64> {
+        let meets =
+            |b: &Aabb| (b.low.y..=b.high.y).contains(&at.x) && (b.low.z..=b.high.z).contains(&at.y);
+        let mut crossings = Vec::new();
         self.tree.visit(meets, |t| {
-            let [a, b, c] = self.corners[t].map(|q| DVec2::new(q.y - p.y, q.z - p.z));
+            let [a, b, c] = self.corners[t].map(|q| DVec2::new(q.y, q.z) - at);
             let areas = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
             if areas.iter().all(|&w| w > 0.0) || areas.iter().all(|&w| w < 0.0) {
                 let x = (0..3).map(|i| areas[i] * self.corners[t][i].x).sum::<f64>();
-                crossings += usize::from(x / areas.iter().sum::<f64>() > p.x);
+                crossings.push(x / areas.iter().sum::<f64>());
             }
         });
-        crossings % 2 == 1
+        crossings.sort_by(f64::total_cmp);
+        crossings
     }
 }
 
@@ -60,13 +58,17 @@ fn shared(a: &Solid, b: &Solid) -> f64 {
     const STEP: f64 = 5e-4;
     let both = a.tree.bounds().intersection(&b.tree.bounds());
     let count = ((both.high - both.low) / STEP).max(DVec3::ZERO).as_uvec3();
+    // Off the middle, so that no line runs along an edge of the mesh.
+    let at = |low: f64, i: u32| low + (f64::from(i) + 0.437) * STEP;
     let mut found = 0;
-    for (i, j, k) in (0..count.x)
-        .flat_map(|i| (0..count.y).flat_map(move |j| (0..count.z).map(move |k| (i, j, k))))
-    {
-        // Off the middle, so that no ray runs along an edge of the mesh.
-        let p = both.low + (DVec3::new(f64::from(i), f64::from(j), f64::from(k)) + 0.437) * STEP;
-        found += usize::from(a.contains(p) && b.contains(p));
+    for (j, k) in (0..count.y).flat_map(|j| (0..count.z).map(move |k| (j, k))) {
+        let line = DVec2::new(at(both.low.y, j), at(both.low.z, k));
+        let crossings = [a, b].map(|solid| solid.crossings(line));
+        let is_within =
+            |x: f64| (crossings.iter()).all(|c| c.partition_point(|&c| c <= x) % 2 == 1);
+        found += (0..count.x)
+            .filter(|&i| is_within(at(both.low.x, i)))
+            .count();
     }
     found as f64 * STEP.powi(3)
 }

@@ -116,7 +116,7 @@ fn cracks_of_a_scan_follow_its_rings_and_its_rays() {
     let stages = session.stages(&request, &Context::quiet()).unwrap();
     let (stem, inner) = (stages.stem.stem(), stages.inner_wood(&p));
     let heights = &stages.heights.heights;
-    let [lower, _] = crack_faces(stem, &heights.surface, &plan, &inner).unwrap();
+    let [lower, _] = crack_faces(stem, &heights.surface, &plan, &inner, &Context::quiet()).unwrap();
     assert_eq!(lower.grooves.cracks, 2);
     let radius = stem.found.stem.radius;
     // Below all of the face there are only the cracks' walls.

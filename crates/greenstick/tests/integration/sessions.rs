@@ -355,20 +355,35 @@ fn forks_work_side_by_side_and_give_the_same() {
     }
 }
 
-#[test]
-fn a_cancelled_session_goes_on_where_it_was() {
-    let mut session = BreakSession::new(built_in_branch());
+/// A context that cancels itself at the first report of a stage.
+fn cancelled_in(stage: &'static str) -> Context {
     let token = CancelToken::default();
     let asking = token.clone();
-    let stopping = Context::new(token, move |progress| {
-        if progress.stage.name() == "textures" {
+    Context::new(token, move |progress| {
+        if progress.stage.name() == stage {
             asking.cancel();
         }
-    });
-    let request = request(&["rings=8", "sectors=16"]);
-    assert!(session.broken(&request, &stopping).is_err());
-    let broken = session.broken(&request, &Context::quiet()).unwrap();
-    assert_eq!(session.started_at(), Some(BreakStage::Finish));
+    })
+}
+
+#[test]
+fn a_cancelled_session_goes_on_where_it_was() {
+    let request = request(&["rings=8", "sectors=16", "spiral_angle=10"]);
+    let mut session = BreakSession::new(built_in_branch());
     let fresh = BreakSession::new(built_in_branch()).broken(&request, &Context::quiet());
-    assert_same(&broken, &fresh.unwrap(), "after a stop");
+    let fresh = fresh.unwrap();
+    // A stage is told of when its work begins; what was made before is kept.
+    for (cancelled, starts_at) in [
+        ("cut", Some(BreakStage::Cut)),
+        ("finish", Some(BreakStage::Finish)),
+        ("textures", None),
+    ] {
+        let stopped = session.broken(&request, &cancelled_in(cancelled));
+        assert!(stopped.is_err(), "{cancelled}");
+        let broken = session.fork().broken(&request, &Context::quiet()).unwrap();
+        assert_same(&broken, &fresh, cancelled);
+        let mut session = session.fork();
+        session.pieces(&request, &Context::quiet()).unwrap();
+        assert_eq!(session.started_at(), starts_at, "{cancelled}");
+    }
 }

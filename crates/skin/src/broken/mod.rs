@@ -18,7 +18,7 @@ use greenstick_fracture::heights::{self, BreakSite, HeightCache, HeightSource, H
 use greenstick_fracture::layout::{self, FibreBundles, LayoutOptions};
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle as Style};
 use greenstick_fracture::surface::FractureSurface;
-use greenstick_geometry::Mesh;
+use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::rings::StemRings;
 use std::sync::Arc;
 
@@ -160,6 +160,8 @@ pub struct Cutter<'a> {
     pub facet_grid: &'a FacetGrid,
     /// Whether parts of one piece that hang in the air are given to the other.
     pub absorb_chips: bool,
+    /// Asked whether to stop.
+    pub context: &'a Context,
 }
 
 impl Cutter<'_> {
@@ -167,15 +169,17 @@ impl Cutter<'_> {
     /// chips changed sides.
     ///
     /// # Errors
-    /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
+    /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break, and [`BreakError::Cancelled`].
     pub fn cut(
         &self,
         surface: &FractureSurface,
         workspace: &mut CutWorkspace,
     ) -> Result<(Cut, usize), BreakError> {
+        self.context.check()?;
         let solid = self.stem.solid();
         let cut = cut_again(&solid, self.skin, self.facet_grid, surface, workspace);
         let mut cut = cut.map_err(|error| self.stem.locate(error))?;
+        self.context.check()?;
         let chips = if self.absorb_chips {
             cut.absorb_chips(&solid, self.skin, self.facet_grid)
         } else {
@@ -188,7 +192,7 @@ impl Cutter<'_> {
     /// Cuts the stem along `surface` and makes the broken face.
     ///
     /// # Errors
-    /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
+    /// As [`Cutter::cut`].
     pub fn break_along(
         &self,
         surface: &FractureSurface,
@@ -203,7 +207,7 @@ impl Cutter<'_> {
     /// be removed otherwise, the surface is levelled.
     ///
     /// # Errors
-    /// [`BreakError::Cut`] where the mesh is open or not a manifold at the break.
+    /// As [`Cutter::cut`].
     pub fn break_spiral_grain(
         &self,
         surface: &FractureSurface,
@@ -214,11 +218,20 @@ impl Cutter<'_> {
         let layers = (&self.stem.layers, self.stem.found.stem.radius);
         let cut_along = |surface: &FractureSurface, depths: &[spiral::LeastDepth]| {
             let (mut cut, chips) = self.cut(surface, workspace)?;
-            let (repair, crossing) =
-                spiral::repair_spiral_face(&source, &mut cut, self.skin, layers, transform, depths);
+            let (repair, crossing) = spiral::repair_spiral_face(
+                &source,
+                &mut cut,
+                self.skin,
+                layers,
+                transform,
+                depths,
+                self.context,
+            )?;
             Ok::<_, BreakError>(((cut, chips), repair, crossing))
         };
         let ((cut, chips), repair) = spiral::cut_and_level(surface, cut_along)?;
+        // A levelled surface that could not be cut is left out, be it for that it was cancelled.
+        self.context.check()?;
         Ok(self.face_of(cut, chips, Some(repair), inner))
     }
 

@@ -177,7 +177,7 @@ pub fn crack_end(
     let whole = shell_volume(stem);
     let inner = end_wood(stem, p, &bundles, material);
     // What is cut out of an end is nothing but chips.
-    let cracked = cut_along(stem, made, &inner, false)?;
+    let cracked = cut_along((stem, &inner), made, false, &Context::quiet())?;
     let mesh = cracked.piece(stem, &inner, !far);
     let void = whole - mesh.volume();
     Ok(CrackedEnd {
@@ -227,7 +227,7 @@ pub fn saw_and_crack_end(
     let inner = end_wood(stem, p, &bundles, material);
     let lower_piece = |plan: &CrackPlan| -> Result<(Mesh, GroovedSurface), BreakError> {
         let made = grooves(plan, &found.rings, &flat, Direction::Down, &site)?;
-        let cracked = cut_along(stem, made, &inner, true)?;
+        let cracked = cut_along((stem, &inner), made, true, &Context::quiet())?;
         Ok((cracked.piece(stem, &inner, false), cracked.grooves))
     };
     let (mesh, made) = lower_piece(&plan)?;

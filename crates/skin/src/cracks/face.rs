@@ -11,7 +11,7 @@ use greenstick_fracture::cut::{CutWorkspace, FacetGrid, Skin};
 use greenstick_fracture::layout::FibreBundles;
 use greenstick_fracture::parameters::CrackKind;
 use greenstick_fracture::surface::FractureSurface;
-use greenstick_geometry::Mesh;
+use greenstick_geometry::{Context, Mesh};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -29,12 +29,14 @@ pub struct CrackedFace {
 /// Cuts a stem along `surface` with the cracks of `plan` in both faces: the lower piece's face, then the upper piece's.
 ///
 /// # Errors
-/// [`BreakError::Crack`] where cracks cannot be drawn into the face, [`BreakError::Cut`] as for the break itself.
+/// [`BreakError::Crack`] where cracks cannot be drawn into the face, [`BreakError::Cut`] as for the break itself, and
+/// [`BreakError::Cancelled`].
 pub fn crack_faces(
     stem: &PreparedStem,
     surface: &FractureSurface,
     plan: &CrackPlan,
     inner: &InnerWood,
+    context: &Context,
 ) -> Result<[CrackedFace; 2], BreakError> {
     let found = &stem.found.stem;
     let site = CrackSite {
@@ -45,7 +47,7 @@ pub fn crack_faces(
     let plan = fit_to_section(stem, plan);
     let face = |direction| {
         let made = grooves(&plan, &found.rings, surface, direction, &site)?;
-        cut_along(stem, made, inner, true)
+        cut_along((stem, inner), made, true, context)
     };
     Ok([face(Direction::Down)?, face(Direction::Up)?])
 }
@@ -90,10 +92,10 @@ pub(super) fn fit_to_section(stem: &PreparedStem, plan: &CrackPlan) -> CrackPlan
 
 /// Cuts the stem along a surface with grooves. `absorb_chips` as in [`Cutter`].
 pub(super) fn cut_along(
-    stem: &PreparedStem,
+    (stem, inner): (&PreparedStem, &InnerWood),
     grooves: GroovedSurface,
-    inner: &InnerWood,
     absorb_chips: bool,
+    context: &Context,
 ) -> Result<CrackedFace, BreakError> {
     let (low, high) = grooves.surface.range();
     let skin = Skin::new(&stem.solid(), (low, high));
@@ -110,6 +112,7 @@ pub(super) fn cut_along(
         skin: &skin,
         facet_grid: &facet_grid,
         absorb_chips,
+        context,
     };
     let inner = InnerWood {
         bundles: &bundles,

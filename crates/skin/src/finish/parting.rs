@@ -5,7 +5,7 @@ use crate::report::BreakNote;
 use crate::stages::BreakStages;
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use greenstick_geometry::overlap::ParallelRays;
-use greenstick_geometry::{Aabb, Mesh};
+use greenstick_geometry::{Aabb, Context, Mesh};
 use std::f64::consts::TAU;
 
 /// Lengths at which the grain is sampled, and points in the section at each beside its middle.
@@ -103,6 +103,7 @@ impl Separation {
 /// The way of the upper piece.
 pub(super) struct Parting<'a> {
     stages: &'a BreakStages,
+    context: &'a Context,
     /// Along the grain, over the length of the face.
     along: Twist,
     /// Length of the face, m.
@@ -121,7 +122,7 @@ pub(super) struct Parted {
 }
 
 impl<'a> Parting<'a> {
-    pub fn new(stages: &'a BreakStages) -> Self {
+    pub fn new(stages: &'a BreakStages, context: &'a Context) -> Self {
         let prepared = stages.stem.stem();
         let (stem, layers) = (&prepared.found.stem, &prepared.layers);
         let (low, high) = stages.heights.heights.range;
@@ -142,6 +143,7 @@ impl<'a> Parting<'a> {
         }
         Parting {
             stages,
+            context,
             along: Twist::along(&points),
             length: high - low,
             onward: stem.grain.axis().frame(high).tangent,
@@ -239,6 +241,10 @@ impl<'a> Parting<'a> {
         };
         let below = face(lower, &transform);
         move |way| {
+            // Whoever asked sees that it was cancelled.
+            if self.context.check().is_err() {
+                return 0.0;
+            }
             let moved = self.after(way) * transform;
             let region = below.intersection(&face(upper, &moved));
             rays.shared_volume([(lower, &transform), (upper, &moved)], &region)

@@ -14,8 +14,8 @@ use crate::report::{BreakNote, PieceReport};
 use crate::stages::{BreakStages, has_spiral_grain};
 use glam::DAffine3;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
-use greenstick_geometry::Mesh;
 use greenstick_geometry::repair::{Rounded, round_halves_to_f32, round_to_f32};
+use greenstick_geometry::{Cancelled, Context, Mesh};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -44,8 +44,12 @@ pub struct FinishOptions<'a> {
 /// Makes the pieces of a break from its stages up to the cut.
 ///
 /// # Errors
-/// [`BreakError`] where splinters cannot be cut loose.
-pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, BreakError> {
+/// [`BreakError`] where splinters cannot be cut loose, or the caller cancelled.
+pub fn finish(
+    stages: &BreakStages,
+    options: &FinishOptions,
+    context: &Context,
+) -> Result<Pieces, BreakError> {
     let stem = stages.stem.stem();
     let p = &stages.stem.face;
     let inner = stages.inner_wood(p);
@@ -66,15 +70,19 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         }
     };
     let mut splinters = Vec::new();
-    let parting = Parting::new(stages);
+    let parting = Parting::new(stages, context);
+    context.check()?;
     let asked = options.separation;
     if options.fray > 0.0 {
         // Loose splinters lie between the pieces.
         let halves = [&lower, &upper];
         let way = parting.way(asked, halves).way;
-        ([lower, upper], splinters) = frayed(stages, (options, way), inner, halves, &mut notes)?;
+        context.check()?;
+        let made = frayed(stages, (options, way), inner, halves, context)?;
+        notes.extend(made.notes);
+        ([lower, upper], splinters) = (made.halves, made.splinters);
     }
-    let leans = lean(stages, asked.way, &mut [&mut lower, &mut upper]);
+    let leans = lean(stages, asked.way, &mut [&mut lower, &mut upper], context)?;
     if p.spiral_angle != 0.0 && !has_spiral_grain(stem, p) {
         notes.push(BreakNote::NoSpiralGrain);
     }
@@ -88,6 +96,7 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     }
     let turn = turn.unwrap_or_default();
     let parted = parting.way(asked, [&lower, &upper]);
+    context.check()?;
     notes.extend(parted.note);
     let moved = parting.after(parted.way) * turn;
     let mut meshes = vec![
@@ -104,7 +113,7 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
         end: stages.stem.opened.as_ref().map(|opened| opened.end),
         notes,
     };
-    made.write_meshes(stages, meshes);
+    made.write_meshes(stages, meshes, context)?;
     for (report, lean) in made.reports.iter_mut().zip(leans.into_iter().flatten()) {
         report.lean = Some(lean);
     }
@@ -113,17 +122,21 @@ pub fn finish(stages: &BreakStages, options: &FinishOptions) -> Result<Pieces, B
     Ok(made)
 }
 
-/// A mesh and how it has moved.
-type MovedMesh = (Mesh, DAffine3);
+/// Both halves with their splinters bent, the splinters that came loose with their motions, and what is to be said of them.
+struct FrayedHalves {
+    halves: [Mesh; 2],
+    splinters: Vec<(Mesh, DAffine3)>,
+    notes: Vec<BreakNote>,
+}
 
-/// Returns both halves with their splinters bent, and the splinters that came loose, for pieces that move apart by `way` (m).
+/// Frays both halves of a break whose pieces move apart by `way` (m).
 fn frayed(
     stages: &BreakStages,
     (options, way): (&FinishOptions, f64),
     inner: InnerWood,
     pieces: [&Mesh; 2],
-    notes: &mut Vec<BreakNote>,
-) -> Result<([Mesh; 2], Vec<MovedMesh>), BreakError> {
+    context: &Context,
+) -> Result<FrayedHalves, BreakError> {
     let amount = options.fray.min(1.0);
     let made = FrayedBreak {
         stem: stages.stem.stem(),
@@ -134,8 +147,10 @@ fn frayed(
         amount,
         separation: way,
         seed: stages.stem.face.seed,
+        context,
     }
     .fray()?;
+    let mut notes = Vec::new();
     for (role, report) in [PieceRole::Lower, PieceRole::Upper].iter().zip(made.bends) {
         notes.push(BreakNote::Bent {
             piece: role.name(),
@@ -146,11 +161,20 @@ fn frayed(
     if made.splinters.is_empty() {
         notes.push(BreakNote::NoSplinters);
     }
-    Ok((made.pieces, made.splinters))
+    Ok(FrayedHalves {
+        halves: made.pieces,
+        splinters: made.splinters,
+        notes,
+    })
 }
 
 /// Makes the splinters of both halves, which move apart by `way` (m), lean, and returns how they do.
-fn lean(stages: &BreakStages, way: f64, halves: &mut [&mut Mesh; 2]) -> Option<[LeanReport; 2]> {
+fn lean(
+    stages: &BreakStages,
+    way: f64,
+    halves: &mut [&mut Mesh; 2],
+    context: &Context,
+) -> Result<Option<[LeanReport; 2]>, Cancelled> {
     let p = &stages.stem.face;
     // Halves that lie in each other have had no room to spring apart.
     let (lean, snap) = if way > 0.0 || p.hang > 0.0 {
@@ -161,7 +185,7 @@ fn lean(stages: &BreakStages, way: f64, halves: &mut [&mut Mesh; 2]) -> Option<[
     let degrees = p.splinter_lean.unwrap_or(lean);
     let snapped = p.splinter_snap.unwrap_or(snap);
     if (degrees == 0.0 && snapped == 0.0) || p.surface == SurfaceStyle::Smooth {
-        return None;
+        return Ok(None);
     }
     let stem = stages.stem.stem();
     let bend = |mesh: &Mesh, upper: bool| {
@@ -174,15 +198,17 @@ fn lean(stages: &BreakStages, way: f64, halves: &mut [&mut Mesh; 2]) -> Option<[
             degrees,
             snapped,
             seed: p.seed,
+            context,
         }
-        .bend(mesh);
+        .bend(mesh)?;
         leaned.report.straight_volume_m3 = stem.closed_volume().0.then_some(straight);
-        leaned
+        Ok::<_, Cancelled>(leaned)
     };
     let [lower, upper] = halves;
     let (below, above) = rayon::join(|| bend(lower, false), || bend(upper, true));
+    let (below, above) = (below?, above?);
     (**lower, **upper) = (below.mesh, above.mesh);
-    Some([below.report, above.report])
+    Ok(Some([below.report, above.report]))
 }
 
 /// The pieces without cracks. A face that is coarser than asked for is noted, and with it the skin has as few triangles as there
@@ -209,7 +235,12 @@ fn plain_pieces(
 
 impl Pieces {
     /// Rounds meshes to the precision of files and adds them.
-    fn write_meshes(&mut self, stages: &BreakStages, meshes: Vec<(PieceRole, Mesh, DAffine3)>) {
+    fn write_meshes(
+        &mut self,
+        stages: &BreakStages,
+        meshes: Vec<(PieceRole, Mesh, DAffine3)>,
+        context: &Context,
+    ) -> Result<(), Cancelled> {
         let inner = stages.stem.inner_material;
         // Self-intersections of the input are left as they are.
         let known = stages.stem.sound.known_positions();
@@ -224,21 +255,22 @@ impl Pieces {
         };
         let mut meshes = meshes;
         let triangles: usize = meshes.iter().map(|(_, mesh, _)| mesh.triangles.len()).sum();
-        let round =
-            |(_, mesh, _): &mut (PieceRole, Mesh, DAffine3)| round_to_f32(mesh, inner, known);
-        let rounded: Vec<Rounded> = match &mut meshes[..] {
+        let round = |(_, mesh, _): &mut (PieceRole, Mesh, DAffine3)| {
+            round_to_f32(mesh, inner, known, context)
+        };
+        let rounded: Result<Vec<Rounded>, Cancelled> = match &mut meshes[..] {
             all if triangles > MOST_AT_ONCE => all.iter_mut().map(round).collect(),
             [lower, upper, splinters @ ..] => {
                 let halves = [&mut lower.1, &mut upper.1];
                 let (halves, splinters) = rayon::join(
-                    || round_halves_to_f32(halves, inner, known),
+                    || round_halves_to_f32(halves, inner, known, context),
                     || splinters.par_iter_mut().map(round).collect::<Vec<_>>(),
                 );
-                halves.into_iter().chain(splinters).collect()
+                halves?.into_iter().map(Ok).chain(splinters).collect()
             }
             few => few.iter_mut().map(round).collect(),
         };
-        for ((role, mesh, motion), rounded) in meshes.into_iter().zip(rounded) {
+        for ((role, mesh, motion), rounded) in meshes.into_iter().zip(rounded?) {
             let (report, collapsed) = (report(role, &mesh, &rounded), rounded.collapsed);
             if collapsed.faults > 0 {
                 self.notes.push(BreakNote::SelfIntersectionsResolved {
@@ -255,6 +287,7 @@ impl Pieces {
                 motion,
             });
         }
+        Ok(())
     }
 
     /// Adds the fuzz of both halves, as far as `most` triangles beyond those of the stem leave room for it.

@@ -14,7 +14,7 @@ use greenstick_fracture::cut::{Cut, CutWorkspace};
 use greenstick_fracture::heights::Heights;
 use greenstick_fracture::splinters::{Loosened, SplinterOptions, loosen, splinter_solid};
 use greenstick_fracture::surface::FractureSurface;
-use greenstick_geometry::Mesh;
+use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::noise;
 use std::f64::consts::TAU;
 
@@ -49,6 +49,8 @@ pub struct FrayedBreak<'a> {
     pub separation: f64,
     /// Seed of the break.
     pub seed: u64,
+    /// Asked whether to stop.
+    pub context: &'a Context,
 }
 
 /// A frayed break. Meshes are in the coordinates of the node that was cut.
@@ -127,6 +129,7 @@ impl FrayedBreak<'_> {
             skin: &self.stem.skin,
             facet_grid: &self.layout.facet_grid,
             absorb_chips: true,
+            context: self.context,
         }
     }
 

@@ -20,7 +20,7 @@ use bend::Leans;
 use crossings::Crossings;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use greenstick_fracture::surface::FractureSurface;
-use greenstick_geometry::Mesh;
+use greenstick_geometry::{Cancelled, Context, Mesh};
 use greenstick_wood::noise::smoothstep;
 use motion::{Motion, Spot};
 use place::FacetPlaces;
@@ -100,6 +100,8 @@ pub struct LeaningPiece<'a> {
     pub snapped: f64,
     /// Seed of the break.
     pub seed: u64,
+    /// Asked whether to stop.
+    pub context: &'a Context,
 }
 
 /// A piece with its splinters leaning.
@@ -128,7 +130,10 @@ struct Map<'a> {
 
 impl LeaningPiece<'_> {
     /// Bends the splinters of a mesh of the piece. A mesh with triangles that cross when nothing leans keeps them.
-    pub fn bend(&self, mesh: &Mesh) -> LeanedPiece {
+    ///
+    /// # Errors
+    /// [`Cancelled`] where the caller cancelled.
+    pub fn bend(&self, mesh: &Mesh) -> Result<LeanedPiece, Cancelled> {
         let sign = if self.upper { -1.0 } else { 1.0 };
         let radius = self.stem.found.stem.radius;
         let mut tree = SplinterTree::new(self.surface, sign, self.cells);
@@ -160,21 +165,22 @@ impl LeaningPiece<'_> {
         map.spots(&mesh, &mut spots);
         let mut coarse = FxHashMap::default();
         for _ in 0..HALVINGS {
+            self.context.check()?;
             if !map.halve(&mut mesh, &motion, &mut spots, &mut coarse) {
                 break;
             }
         }
-        let bent = map.resolved(&mesh, &spots, &mut motion);
+        let bent = map.resolved(&mesh, &spots, &mut motion, self.context)?;
         map.turn_normals(&mut mesh, &spots, &motion);
         mesh.positions = bent;
         let splinters = motion.leans.splinters();
         let mut report = report(&splinters);
         report.snapped = motion.snaps.count();
-        LeanedPiece {
+        Ok(LeanedPiece {
             mesh,
             report,
             splinters,
-        }
+        })
     }
 }
 
@@ -198,13 +204,20 @@ fn report(splinters: &[SplinterLean]) -> LeanReport {
 
 impl Map<'_> {
     /// Returns the positions of a piece's vertices when it is bent, with as much motion as leaves no triangles that cross.
-    fn resolved(&self, mesh: &Mesh, spots: &[Spot], motion: &mut Motion) -> Vec<DVec3> {
+    fn resolved(
+        &self,
+        mesh: &Mesh,
+        spots: &[Spot],
+        motion: &mut Motion,
+        context: &Context,
+    ) -> Result<Vec<DVec3>, Cancelled> {
         let mut bent = self.bent(mesh, spots, motion);
         let mut crossings = Crossings::new(mesh, spots, &bent);
         for round in 0..ROUNDS {
+            context.check()?;
             let torn = self.torn(mesh, spots, motion);
             if crossings.pairs.is_empty() && torn.is_empty() {
-                return bent;
+                return Ok(bent);
             }
             let of = |vertices: &[u32]| -> Vec<&Spot> {
                 vertices.iter().map(|&v| &spots[v as usize]).collect()
@@ -220,7 +233,7 @@ impl Map<'_> {
         }
         // Whatever it is, it is no longer the motion.
         motion.stop();
-        mesh.positions.clone()
+        Ok(mesh.positions.clone())
     }
 
     /// Adds the spots of vertices that have none yet.

@@ -13,7 +13,7 @@ use greenstick_fracture::heights::Heights;
 use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_fracture::surface::FractureSurface;
-use greenstick_geometry::Mesh;
+use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::rings::StemRings;
 use greenstick_wood::species::UnknownSpecies;
@@ -85,12 +85,12 @@ impl CutStage {
     /// Cuts a stem with this layout along a surface, whose face has `cracks`, if any. The face shows what `p` asks for.
     ///
     /// # Errors
-    /// [`BreakError`] where the stem cannot be cut there.
+    /// [`BreakError`] where the stem cannot be cut there, or the caller cancelled.
     pub fn new(
         (stage, layout, p): (&StemStage, &FaceLayout, &BreakParameters),
         surface: &FractureSurface,
         cracks: Option<&Cracks>,
-        workspace: &mut CutWorkspace,
+        (workspace, context): (&mut CutWorkspace, &Context),
     ) -> Result<Self, BreakError> {
         let stem = stage.stem();
         let inner = inner_wood(stage, layout, p);
@@ -99,6 +99,7 @@ impl CutStage {
             skin: &stem.skin,
             facet_grid: &layout.facet_grid,
             absorb_chips: true,
+            context,
         };
         let face = if stem.layers.has_spiral_grain() {
             cutter.break_spiral_grain(surface, &inner, workspace)?
@@ -106,7 +107,10 @@ impl CutStage {
             cutter.break_along(surface, &inner, workspace)?
         };
         let cracked = match cracks {
-            Some(cracks) => Some(Box::new(crack_faces(stem, surface, &cracks.plan, &inner)?)),
+            Some(cracks) => {
+                let faces = crack_faces(stem, surface, &cracks.plan, &inner, context)?;
+                Some(Box::new(faces))
+            }
             None => None,
         };
         Ok(CutStage { face, cracked })

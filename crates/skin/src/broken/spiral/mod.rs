@@ -16,10 +16,10 @@ use crate::source::Source;
 use glam::{DAffine3, DVec3};
 use greenstick_fracture::cut::{Cut, Host, Side, Skin};
 use greenstick_fracture::surface::{FractureSurface, NONE};
-use greenstick_geometry::Aabb;
 use greenstick_geometry::repair::{
     Collapsed, EdgeBisector, EdgeCollapser, Untangler, crossing_pairs, crossing_pairs_within,
 };
+use greenstick_geometry::{Aabb, Cancelled, Context};
 use greenstick_wood::stem::LayeredGrain;
 use outline::{part_equal_positions, rounded};
 use placement::Placement;
@@ -149,6 +149,9 @@ struct Face<'a> {
 /// Removes the self-intersections of the face of `cut`. `skin` is the sorted skin that was cut; `layers` are those of the
 /// stem, whose radius is given in m and to whose world `transform` leads; of the least `depths` below the skin the best is taken.
 /// Also returns the cells of what still crosses.
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancelled.
 pub fn repair_spiral_face(
     source: &Source,
     cut: &mut Cut,
@@ -156,7 +159,8 @@ pub fn repair_spiral_face(
     (layers, radius): (&LayeredGrain, f64),
     transform: &DAffine3,
     depths: &[LeastDepth],
-) -> (SpiralRepair, Vec<u32>) {
+    context: &Context,
+) -> Result<(SpiralRepair, Vec<u32>), Cancelled> {
     let to_grain = |p| layers.to_grain(transform.transform_point3(p));
     let points = (source.vertices[..cut.points].iter()).map(|&v| source.mesh.positions[v as usize]);
     let corners = |triangle: u32| source.mesh.corners(triangle as usize);
@@ -174,7 +178,7 @@ pub fn repair_spiral_face(
         let depth = (depth.radii * radius).max(depth.spacings * spacing);
         let lengths = (radius, depth, spacing);
         let mut face = Face::new(source, &mut repaired, skin, lengths, &to_grain);
-        (face.repair(layers, radius), repaired)
+        Ok::<_, Cancelled>((face.repair(layers, radius, context)?, repaired))
     };
     let mut best: Option<((SpiralRepair, Vec<u32>), Cut)> = None;
     for &depth in depths {
@@ -182,16 +186,16 @@ pub fn repair_spiral_face(
         if fewest == 0 {
             break;
         }
-        let other = attempt(depth);
+        let other = attempt(depth)?;
         if other.0.0.remaining < fewest {
             best = Some(other);
         }
     }
     let Some((done, repaired)) = best else {
-        return (SpiralRepair::default(), Vec::new());
+        return Ok((SpiralRepair::default(), Vec::new()));
     };
     *cut = repaired;
-    done
+    Ok(done)
 }
 
 impl<'a> Face<'a> {
@@ -252,11 +256,16 @@ impl<'a> Face<'a> {
     }
 
     /// Bisects and moves what crosses, round after round. Also returns the cells of what still does.
-    fn repair(&mut self, layers: &LayeredGrain, radius: f64) -> (SpiralRepair, Vec<u32>) {
+    fn repair(
+        &mut self,
+        layers: &LayeredGrain,
+        radius: f64,
+        context: &Context,
+    ) -> Result<(SpiralRepair, Vec<u32>), Cancelled> {
         let mut done = SpiralRepair::default();
         self.merge_equal_positions();
         self.bisect_chords(&mut done);
-        let mut pairs = self.crossing(layers);
+        let mut pairs = self.crossing(layers, context)?;
         done.crossed = pairs.len();
         let (mut fewest, mut since) = (pairs.len(), 0);
         for _ in 0..ROUNDS {
@@ -265,7 +274,8 @@ impl<'a> Face<'a> {
                 break;
             }
             pairs = self.bisect(pairs, &mut done);
-            self.untangle(&mut pairs, MAX_MOVE_RADII * radius, &mut done);
+            context.check()?;
+            self.untangle(&mut pairs, MAX_MOVE_RADII * radius, &mut done, context)?;
             since = if pairs.len() < fewest { 0 } else { since + 1 };
             fewest = fewest.min(pairs.len());
         }
@@ -276,7 +286,7 @@ impl<'a> Face<'a> {
             .iter()
             .flatten()
             .filter_map(|&t| faces.get(t as usize));
-        (done, of_face.map(|face| face.cell).collect())
+        Ok((done, of_face.map(|face| face.cell).collect()))
     }
 
     /// Adds a vertex within the wood, in the middle of an edge of the given length, at grain coordinates in which the skin is straight.
@@ -291,7 +301,13 @@ impl<'a> Face<'a> {
     }
 
     /// Moves vertices until nothing crosses, or no move helps.
-    fn untangle(&mut self, pairs: &mut Vec<[u32; 2]>, reach: f64, done: &mut SpiralRepair) {
+    fn untangle(
+        &mut self,
+        pairs: &mut Vec<[u32; 2]>,
+        reach: f64,
+        done: &mut SpiralRepair,
+        context: &Context,
+    ) -> Result<(), Cancelled> {
         let all = self.with_skin(&self.cut.cap);
         let rim = self.rim;
         let mut untangler = Untangler {
@@ -299,8 +315,10 @@ impl<'a> Face<'a> {
             triangles: &all,
             is_free: &|v| v >= rim,
             reach,
+            context,
         };
         let untangled = untangler.untangle(pairs);
+        context.check()?;
         done.moved += untangled.moved.len();
         done.longest = done.longest.max(untangled.farthest);
         for &v in &untangled.moved {
@@ -309,6 +327,7 @@ impl<'a> Face<'a> {
             self.positions[v as usize] = place;
             self.grain[v as usize] = grain;
         }
+        Ok(())
     }
 
     /// Gives the vertices of the cut within the wood the grain coordinates of their places.
@@ -325,7 +344,11 @@ impl<'a> Face<'a> {
     ///
     /// In the world the long triangles along the grain lean in all directions, and so many of their boxes overlap; in
     /// grain space they stand upright.
-    fn crossing(&self, layers: &LayeredGrain) -> Vec<[u32; 2]> {
+    fn crossing(
+        &self,
+        layers: &LayeredGrain,
+        context: &Context,
+    ) -> Result<Vec<[u32; 2]>, Cancelled> {
         let (all, count) = (self.with_skin(&self.cut.cap), self.cut.cap.len());
         let grain = |t: &[u32; 3]| t.map(|v| self.grain[v as usize]);
         // Skin off the limb has no grain.
@@ -337,7 +360,8 @@ impl<'a> Face<'a> {
             Aabb { low, high }.grown(self.margin)
         };
         let boxes: Vec<Aabb> = triangles.iter().map(bounds).collect();
-        let mut pairs = crossing_pairs_within(&self.positions, &triangles, count, &boxes);
+        let positions = &self.positions;
+        let mut pairs = crossing_pairs_within(positions, &triangles, count, &boxes, context)?;
         if !off_limb.is_empty() {
             for n in pairs.iter_mut().flatten() {
                 *n = limb[*n as usize];
@@ -346,7 +370,7 @@ impl<'a> Face<'a> {
             pairs.extend(self.of_face(others, count));
             pairs.sort_unstable();
         }
-        pairs
+        Ok(pairs)
     }
 
     /// Those pairs one of which at least is among the first `count` triangles, the face.

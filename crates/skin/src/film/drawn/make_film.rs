@@ -21,7 +21,9 @@ use crate::simulated::{ObservedRun, SimulatedFracture};
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, snap_to_f32};
-use greenstick_geometry::{Binding, Context, Film, Mesh, Node, Pose, Scene, SkinnedMesh, Stage};
+use greenstick_geometry::{
+    Binding, Cancelled, Context, Film, Mesh, Node, Pose, Scene, SkinnedMesh, Stage,
+};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -87,11 +89,17 @@ impl DrawnScene<'_> {
     }
 
     /// The mesh of a piece in the film's coordinates, rounded to the precision of files there, which it was in the input's.
-    fn shown_piece(&self, node: usize, film_from_stem: &DAffine3, known: &KnownPositions) -> Mesh {
+    fn shown_piece(
+        &self,
+        node: usize,
+        film_from_stem: &DAffine3,
+        known: &KnownPositions,
+        context: &Context,
+    ) -> Result<Mesh, Cancelled> {
         let mut mesh = self.mesh(node).transformed(film_from_stem);
         snap_to_f32(&mut mesh, self.inner);
-        resolve_self_intersections(&mut mesh, known);
-        mesh
+        resolve_self_intersections(&mut mesh, known, context)?;
+        Ok(mesh)
     }
 
     /// The mesh of a node in the stem's world, with tangents for normal maps.
@@ -310,7 +318,7 @@ impl Run {
         let mut meshes = Vec::new();
         for (number, &node) in nodes.iter().enumerate() {
             context.report(number as f64 / nodes.len() as f64)?;
-            let shown = drawn.shown_piece(node, &film_from_stem, &known);
+            let shown = drawn.shown_piece(node, &film_from_stem, &known, context)?;
             let mesh = shown.transformed(&film_from_stem.inverse());
             film.pieces.push(SkinnedMesh {
                 name: drawn.scene.nodes[node].name.clone(),
