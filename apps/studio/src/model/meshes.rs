@@ -1,6 +1,7 @@
 //! A broken scene as the card draws it: one list of vertices, one of triangles, and batches of one material each.
 
 use super::look::WoodLook;
+use super::survey::Box3;
 use super::wire;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -139,6 +140,11 @@ pub struct DrawnScene {
     pub radius: f64,
     /// Each break from the middle: where it is, along the stem, and how large the stem is there, m.
     pub breaks: Vec<DrawnBreak>,
+    /// Boxes around its triangles, some to each, in their order; none where they were not worked out ([`DrawnScene::survey`]).
+    #[serde(with = "wire::plain")]
+    pub boxes: Vec<Box3>,
+    /// Heights of the face below each break, as [`CrackFace`](super::placed_cracks::CrackFace) has them, likewise.
+    pub faces: Vec<Vec<f32>>,
 }
 
 /// Where a break is.
