@@ -1,4 +1,4 @@
-// Hands the studio's page out, and starts Chromium so that it draws without a graphics card.
+// Hands the studio's page out, and says how Chromium draws it without a graphics card.
 import { createReadStream, existsSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { basename, extname, join } from 'node:path';
