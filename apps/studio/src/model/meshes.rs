@@ -1,7 +1,6 @@
 //! A broken scene as the card draws it: one list of vertices, one of triangles, and batches of one material each.
 
 use super::look::WoodLook;
-use super::survey::Box3;
 use super::wire;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -114,6 +113,9 @@ pub struct DrawnPiece {
     #[serde(with = "wire::motion")]
     pub motion: DAffine3,
 }
+
+/// A box, by its least and its greatest corner.
+pub type Box3 = [[f32; 3]; 2];
 
 /// A broken scene as the card draws it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,6 @@
 //! What is worked out beside the window of a scene that is drawn, so that the pointer finds its place on it at once.
 
-use super::meshes::DrawnScene;
+use super::meshes::{Box3, DrawnScene};
 use super::placed_cracks::face_heights;
 use glam::Vec3;
 use rayon::iter::ParallelIterator;
@@ -10,9 +10,6 @@ use rayon::slice::ParallelSlice;
 const TRIANGLES: usize = 128;
 /// Part of its size by which a box is larger than what is in it: a ray along its side is not missed by rounding.
 const MARGIN: f32 = 1e-4;
-
-/// A box, by its least and its greatest corner.
-pub type Box3 = [[f32; 3]; 2];
 
 impl DrawnScene {
     /// Works out the boxes of its triangles and the heights of its faces.

@@ -63,7 +63,7 @@ pub fn begin() {
     if let Ok(scope) = js_sys::global().dyn_into::<web_sys::DedicatedWorkerGlobalScope>() {
         serve::serve(&scope);
     } else {
-        wasm_bindgen_futures::spawn_local(page::open());
+        wasm_bindgen_futures::spawn_local(page::begin(|wake| Box::new(Web::new(wake))));
     }
 }
 

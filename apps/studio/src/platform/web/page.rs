@@ -1,6 +1,8 @@
 //! The studio on the canvas of the page, and on another canvas where the graphics card is lost: everything goes on as it was.
 
-use super::{Web, browser};
+use super::browser;
+use super::news::Wake;
+use crate::platform::Platform;
 use crate::ui::studio::Studio;
 use eframe::egui;
 use std::cell::RefCell;
@@ -19,10 +21,14 @@ const SOON: Duration = Duration::from_secs(60);
 /// The studio, which outlives the canvases that it is drawn on.
 type Held = Rc<RefCell<Option<Studio>>>;
 
+/// Makes the machine that the studio works on, which is woken so.
+pub type Machine = fn(Wake) -> Box<dyn Platform>;
+
 /// What goes on from canvas to canvas.
 #[derive(Default)]
 struct Page {
     studio: Held,
+    machine: Option<Machine>,
     /// The context of the present canvas, which work beside it wakes.
     present: Rc<RefCell<Option<egui::Context>>>,
     runner: Option<eframe::WebRunner>,
@@ -47,12 +53,20 @@ impl eframe::App for Shown {
     }
 }
 
+/// Draws a new studio on the canvas of the page.
+pub async fn begin(machine: Machine) {
+    PAGE.with_borrow_mut(|p| p.machine = Some(machine));
+    open().await;
+}
+
 /// Draws the studio on the canvas of the page: a new one, or that which was drawn before.
-pub async fn open() {
+async fn open() {
     let Some(canvas) = browser::canvas() else {
         return;
     };
-    let (held, present) = PAGE.with_borrow(|p| (p.studio.clone(), p.present.clone()));
+    let (held, present, machine) =
+        PAGE.with_borrow(|p| (p.studio.clone(), p.present.clone(), p.machine));
+    let Some(machine) = machine else { return };
     let create: eframe::AppCreator = Box::new(move |creation| {
         let ctx = &creation.egui_ctx;
         *present.borrow_mut() = Some(ctx.clone());
@@ -66,7 +80,7 @@ pub async fn open() {
                         ctx.request_repaint();
                     }
                 });
-                *studio = Some(Studio::new(ctx, Box::new(Web::new(wake)), None));
+                *studio = Some(Studio::new(ctx, machine(wake), None));
             }
         }
         if let (Some(studio), Some(state)) = (studio, &creation.wgpu_render_state) {
