@@ -1,11 +1,11 @@
-// Drives the studio's page in Chromium as a person would: loads it, clicks on the stem, drags a slider, exports, drops files, stops
-// work. What it exports has to equal what the command line makes of the same project, byte for byte, and pass the Khronos validator.
+// Drives the studio's page in Chromium as a person would: loads it, clicks on the stem, drags a slider, exports, loses its graphics card, drops
+// files, stops work. What it exports has to equal what the command line makes of the same project, byte for byte, and pass the Khronos validator.
 // Usage: node page.mjs FOLDER_OF_NODE_MODULES PAGE GREENSTICK MESH FOLDER [webgl|webgpu]. Needs Chromium, which draws on the processor.
 import { execFileSync } from 'node:child_process';
-import { createReadStream, existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
-import { createServer } from 'node:http';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
-import { basename, extname, join, resolve } from 'node:path';
+import { basename, join, resolve } from 'node:path';
+import { flags, serve } from './page_server.mjs';
 
 const [modules, page_folder, greenstick, mesh, folder, card = 'webgl'] = process.argv.slice(2);
 if (!folder) {
@@ -16,7 +16,6 @@ const { chromium } = createRequire(join(resolve(modules), 'package.json'))('play
 const PATIENCE = 180_000; // ms, on a busy machine
 const WIDTH = 1180;
 const HEIGHT = 720;
-const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.wasm': 'application/wasm' };
 mkdirSync(folder, { recursive: true });
 
 function fail(message) {
@@ -28,30 +27,7 @@ function check(what, holds) {
   if (!holds) fail(`${what} does not hold`);
 }
 
-/** Any server will do: no headers of its own are needed. */
-async function serve() {
-  const server = createServer((request, response) => {
-    const name = new URL(request.url, 'http://page').pathname;
-    const file = join(page_folder, name === '/' ? 'index.html' : basename(name));
-    if (!existsSync(file)) {
-      response.writeHead(404).end();
-      return;
-    }
-    response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' });
-    createReadStream(file).pipe(response);
-  });
-  await new Promise((done) => server.listen(0, '127.0.0.1', done));
-  return [server, `http://127.0.0.1:${server.address().port}/`];
-}
-
-const flags = {
-  webgl: ['--disable-features=WebGPU', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'],
-  webgpu: [
-    '--enable-unsafe-webgpu', '--use-webgpu-adapter=swiftshader', '--enable-features=Vulkan', '--use-vulkan=swiftshader',
-    '--use-angle=vulkan', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist',
-  ],
-};
-const [server, address] = await serve();
+const [server, address] = await serve(page_folder);
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
   args: ['--no-sandbox', '--disable-dev-shm-usage', ...flags[card]],
@@ -59,6 +35,17 @@ const browser = await chromium.launch({
 const context = await browser.newContext({ viewport: { width: WIDTH, height: HEIGHT }, acceptDownloads: true });
 const page = await context.newPage();
 page.setDefaultTimeout(PATIENCE);
+// The devices of the page, so that they can be taken from it.
+await page.addInitScript(() => {
+  if (!window.GPUAdapter) return;
+  window.devices = [];
+  const request = GPUAdapter.prototype.requestDevice;
+  GPUAdapter.prototype.requestDevice = async function (...words) {
+    const device = await request.apply(this, words);
+    window.devices.push(device);
+    return device;
+  };
+});
 const complaints = [];
 page.on('console', (m) => m.type() === 'error' && complaints.push(m.text()));
 page.on('pageerror', (e) => complaints.push(String(e)));
@@ -197,6 +184,34 @@ await wait('a change by a slider', async () => (await hash()) !== before);
 console.log(`page: after a click and a slider the address is ${await hash()}`);
 await shot('slid');
 await compare('branch');
+
+// The graphics card is taken from the page: it begins again on another canvas, with everything as it was, the past included.
+const [held, heard] = [await hash(), complaints.length];
+await page.evaluate((card) => {
+  const canvas = document.getElementById('studio');
+  canvas.is_old = true;
+  if (card === 'webgpu') window.devices.forEach((d) => d.destroy());
+  else canvas.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();
+}, card);
+await wait('another canvas', () => page.evaluate(() => !document.getElementById('studio').is_old));
+await rest(5000);
+check('that the page draws again', await page.evaluate(() => document.getElementById('loading').hidden));
+await shot('again');
+check('that nothing was lost with the card', (await hash()) === held);
+await page.keyboard.press('Control+z');
+await wait('a step back', async () => (await hash()) !== held);
+await page.keyboard.press('Control+Shift+z');
+await wait('the step again', async () => (await hash()) === held);
+await wait('a rest after the loss', async () => {
+  const count = await pictures();
+  await rest(3000);
+  return (await pictures()) === count;
+});
+await compare('again');
+check('that the pieces are the same after the loss', readFileSync(join(folder, 'again.glb')).equals(readFileSync(join(folder, 'branch.glb'))));
+// What the browser says of the loss itself.
+const others = complaints.splice(heard).filter((c) => !/lost|destroyed/i.test(c));
+complaints.push(...others);
 
 // A link shows the same break again.
 const link = await page.evaluate(() => location.hash);

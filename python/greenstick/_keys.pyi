@@ -490,7 +490,7 @@ class RequestAttributes:
     @overload
     def __getitem__(self, key: Literal[
         "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "part_clear",
-        "draft", "coin", "chips",
+        "draft", "coin", "chips", "heights.added",
     ]) -> bool: ...
     @overload
     def __getitem__(self, key: Literal[
@@ -589,7 +589,7 @@ class RequestAttributes:
     @overload
     def __setitem__(self, key: Literal[
         "as_scan", "no_outliers", "no_isolated", "no_duplicates", "all_finite", "bark_only", "part_clear",
-        "draft", "coin", "chips",
+        "draft", "coin", "chips", "heights.added",
     ], value: bool) -> None: ...
     @overload
     def __setitem__(self, key: Literal[

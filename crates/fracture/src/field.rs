@@ -13,6 +13,7 @@ pub struct HeightField {
     sectors: usize,
     heights: Vec<f64>,
     failures: Option<Vec<CellFailure>>,
+    added: bool,
 }
 
 choices! {
@@ -47,7 +48,8 @@ impl FailureMode {
 pub struct CellFailure {
     /// The mode.
     pub mode: FailureMode,
-    /// Factor on the torn relief that the parameters of the break describe; it takes the place of a species' factor.
+    /// Factor on the torn relief that the parameters of the break describe; it takes the place of a species' factor, unless the
+    /// field is added to what the parameters shape.
     pub splintering: f64,
 }
 
@@ -201,6 +203,7 @@ impl HeightField {
                 sectors,
                 heights,
                 failures: None,
+                added: false,
             }),
         }
     }
@@ -230,6 +233,21 @@ impl HeightField {
         }
         self.failures = Some(failures);
         Ok(self)
+    }
+
+    /// The same field as an addition: its heights are over those that the parameters of the break shape, and its splintering is
+    /// over theirs.
+    #[must_use]
+    pub fn added(self) -> Self {
+        HeightField {
+            added: true,
+            ..self
+        }
+    }
+
+    /// Whether it is added to what the parameters of the break shape, rather than taking its place.
+    pub fn is_added(&self) -> bool {
+        self.added
     }
 
     /// The part of the section that it lies over.

@@ -4,7 +4,7 @@ use crate::field::{CellFailure, FailureMode, HeightField, HeightFieldError};
 use crate::heights::HeightSource;
 use crate::slabs::SectionSpan;
 use greenstick_schema::{
-    Kind, ParameterError, Unit, choice, count, length, list, number, parameters,
+    Kind, ParameterError, Unit, choice, count, flag, length, list, number, parameters,
 };
 use std::sync::Arc;
 
@@ -49,6 +49,9 @@ parameters! {
             between_rings: [f64; 2] = [0.0, 1.0], list(&COORDINATE, 2, 2);
             /// Angles about the pith that it lies between, rad, as for a board; none: all around.
             between_angles: Vec<f64> = Vec::new(), list(&ANGLE, 0, 2);
+            /// Whether the values are added to the face that the parameters of the break shape, and splintering is a factor on
+            /// its relief. Otherwise they take the place of inclination, layers, compression shelf and species.
+            added: bool = false, flag();
         }
     }
     check |grid| grid.source().map(|_| ());
@@ -84,6 +87,11 @@ impl HeightGrid {
     }
 
     fn field(&self) -> Result<HeightField, ParameterError> {
+        let field = self.cells()?;
+        Ok(if self.added { field.added() } else { field })
+    }
+
+    fn cells(&self) -> Result<HeightField, ParameterError> {
         let refused = |error: HeightFieldError| self.conflict(&error.to_string());
         let sectors = self.sectors as usize;
         let rings = self.values.len().div_ceil(sectors);
@@ -128,6 +136,7 @@ impl From<&HeightField> for HeightGrid {
             splintering: field.failures().iter().map(|f| f.splintering).collect(),
             between_rings: rho.into(),
             between_angles: phi.map_or_else(Vec::new, |(from, to)| vec![from, to]),
+            added: field.is_added(),
         }
     }
 }
@@ -154,7 +163,7 @@ mod tests {
     #[test]
     fn a_field_is_the_same_after_it_was_written_and_read() {
         let whole = HeightField::new(1, 2, vec![0.01, -0.3]).unwrap();
-        for field in [whole, board()] {
+        for field in [whole, board(), board().added()] {
             let text = write_toml(&HeightGrid::from(&field));
             let mut grid = HeightGrid::default();
             read_toml(&mut grid, &text).unwrap();

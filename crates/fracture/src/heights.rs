@@ -39,14 +39,15 @@ pub enum HeightSource {
     #[default]
     Procedural,
     /// Heights that were measured, simulated or painted. Where the field says how the wood failed, the procedural model adds
-    /// all that is finer than the grid: slivers, fibres and strips of bark. Otherwise it adds only the fur of fine fibres.
+    /// all that is finer than the grid: slivers, fibres and strips of bark. Otherwise it adds only the fur of fine fibres. A field
+    /// that is [added](HeightField::added) raises and lowers the face of the procedural model.
     Field(Arc<HeightField>),
 }
 
 impl HeightSource {
     /// Whether it decides how far the wood splinters, so that a species must not do so again.
     pub fn decides_relief(&self) -> bool {
-        matches!(self, HeightSource::Field(field) if field.has_failures())
+        matches!(self, HeightSource::Field(field) if field.has_failures() && !field.is_added())
     }
 }
 
@@ -59,8 +60,11 @@ pub fn heights(
     cache: &mut HeightCache,
 ) -> Heights {
     match (source, p.surface) {
-        (HeightSource::Procedural, Kind::Smooth) => smooth(bundles, p, site, cache),
+        (HeightSource::Procedural, Kind::Smooth) => smooth(bundles, p, site, None, cache),
         (HeightSource::Procedural, Kind::Fibrous) => fibrous(bundles, p, site, None, cache),
+        (HeightSource::Field(field), Kind::Smooth) if field.is_added() => {
+            smooth(bundles, p, site, Some(field), cache)
+        }
         (HeightSource::Field(field), Kind::Smooth) => smooth_of_field(bundles, field, site),
         (HeightSource::Field(field), Kind::Fibrous) => {
             fibrous(bundles, p, site, Some(field), cache)
@@ -76,15 +80,21 @@ fn smooth_of_field(bundles: &FibreBundles, field: &HeightField, site: &BreakSite
     place_heights(bundles, heights, nodes, &bundles.layout.facets, site, false)
 }
 
-/// Heights of the published smooth surface: one per node, shared by all facets there but those of thorns.
+/// Heights of the published smooth surface: one per node, shared by all facets there but those of thorns. `added` is over them.
 fn smooth(
     bundles: &FibreBundles,
     p: &BreakParameters,
     site: &BreakSite,
+    added: Option<&HeightField>,
     cache: &mut HeightCache,
 ) -> Heights {
     let model = HeightModel::new(p, site);
-    let base = smooth_nodes(bundles, &model, cache);
+    let mut base = smooth_nodes(bundles, &model, cache);
+    if let Some(added) = added {
+        for (height, &(rho, phi)) in base.iter_mut().zip(&bundles.addresses) {
+            *height += added.at(rho, phi) / site.radius;
+        }
+    }
     let face = add_thorns(bundles, &model, base);
     let nodes = &bundles.layout.nodes;
     let on_thorns = face.nodes.iter().map(|&n| nodes[n as usize]);
@@ -94,7 +104,7 @@ fn smooth(
     placed
 }
 
-/// Heights of the fibrous surface: the end of each bundle, torn, at a field where there is one.
+/// Heights of the fibrous surface: the end of each bundle, torn, at a field or with one added where there is one.
 fn fibrous(
     bundles: &FibreBundles,
     p: &BreakParameters,
@@ -106,7 +116,8 @@ fn fibrous(
     let (heights, ends, thorns) = fibrous_rims(bundles, &model, field, cache);
     let nodes = &bundles.layout.nodes;
     let at = ends.nodes.iter().map(|r| nodes[r.node as usize]);
-    let mut placed = place_heights(bundles, heights, at, &ends.corners, site, field.is_none());
+    let is_drawn = field.is_none_or(HeightField::is_added);
+    let mut placed = place_heights(bundles, heights, at, &ends.corners, site, is_drawn);
     placed.thorns = thorns;
     placed
 }

@@ -5,6 +5,7 @@
 //! so that splinters are flat, wide along the ring, and only their tips are ragged. All heights are ratios to the
 //! stem's radius.
 
+mod added;
 mod bark;
 
 use crate::ends::{EndNode, TornEnd, TornEnds};
@@ -53,6 +54,8 @@ pub(crate) struct TornRelief<'a> {
     bundles: &'a FibreBundles,
     /// Heights that take the place of inclination, layers and slabs.
     field: Option<&'a HeightField>,
+    /// Heights and splintering over those of the parameters.
+    added: Option<&'a HeightField>,
     pub ends: Arc<TornEnds>,
     /// Height of the wood under each strip of bark, as far as the bark follows it.
     under_bark: Vec<f64>,
@@ -74,11 +77,10 @@ struct LargeShape {
     torn: f64,
     /// Factor on the torn relief.
     relief: f64,
+    /// Factor on the length of thorns.
+    thorns: f64,
 }
 
-/// How much of a field's height a bundle has from the middle of its sliver; the rest is that at its own place. With 1, slivers
-/// would be terraces wherever the field slopes; with 0, steps of the field would cut through slivers.
-const SLIVER_SHARE: f64 = 0.85;
 /// Distances from the edge of the compression shelf, radii, between which crushed wood passes into torn wood, and by how much those
 /// of slivers and of bundles differ.
 const SHELF_EDGE: (f64, f64) = (-0.08, 0.26);
@@ -143,7 +145,8 @@ impl<'a> TornRelief<'a> {
         let mut torn = TornRelief {
             model,
             bundles,
-            field,
+            field: field.filter(|f| !f.is_added()),
+            added: field.filter(|f| f.is_added()),
             under_bark: Vec::new(),
             brittle: brittleness(p),
             inner_bark: ends.wood.map_or(2.0, |wood| wood - p.phloem_proportion),
@@ -240,28 +243,29 @@ impl<'a> TornRelief<'a> {
             let shelf = self.distance_to_shelf(end.shelf, at, middle)
                 + SHELF_SLIVERS * (end.sliver_random[2] - 0.5)
                 + SHELF_BUNDLES * (end.crushed_random[2] - 0.5);
-            return LargeShape {
+            let shape = LargeShape {
                 level: self.layers(end, across, (rho, bundle.phi)) + noise,
                 split: self.split(shelf, end.crushed_random[1]),
                 tilt: model.tilt,
                 torn: self.torn_share(shelf),
                 relief: model.site.relief,
+                thorns: 1.0,
+            };
+            return match self.added {
+                Some(added) => self.with_added(shape, added, noises, (end, bundle)),
+                None => shape,
             };
         };
-        // The middle of the sliver, at the angle that wanders to that of its ray.
-        let (ring, ray) = self.ends.slivers.middle(end.sliver as usize);
-        let ring = ring.min(1.0);
-        let ray = 2.0 * ray - self.ends.ray_angle(noises, ring, ray);
-        let own = field.at(rho, bundle.phi);
-        let shared = field.at(ring, ray);
-        let level = (own + (shared - own) * SLIVER_SHARE) / model.site.radius;
-        let failure = field.failure_at(ring, ray);
+        let (level, failure) = self.of_field(field, noises, (end, bundle));
+        let torn = failure.map_or(1.0, |f| f.torn);
+        let relief = failure.map_or(model.site.relief, |f| f.splintering);
         LargeShape {
             level: level + noise,
             split: 0.0,
             tilt: DVec2::ZERO,
-            torn: failure.map_or(1.0, |f| f.torn),
-            relief: failure.map_or(model.site.relief, |f| f.splintering),
+            torn,
+            relief,
+            thorns: torn * relief,
         }
     }
 
@@ -310,6 +314,7 @@ impl<'a> TornRelief<'a> {
             tilt,
             torn,
             relief,
+            thorns,
         } = self.large_shape(noises, (index, end), (at, middle), noise);
         let slab = self.ends.slabs.slab(end.slab as usize);
         let (slab_height, own_share, shortened) = self.height_on_slab(end);
@@ -352,10 +357,7 @@ impl<'a> TornRelief<'a> {
         let width = 2.0 * bundle.half_width * rho * self.ends.ring_unit;
         BundleHeight {
             base,
-            thorn: match self.field {
-                None => self.thorn(rho, bundle.phi, zone, key, end.sliver),
-                Some(_) => torn * relief * self.thorn(rho, bundle.phi, zone, key, end.sliver),
-            },
+            thorn: thorns * self.thorn(rho, bundle.phi, zone, key, end.sliver),
             raggedness: fibre,
             middle,
             slant: slant + tilt,
@@ -459,11 +461,11 @@ impl<'a> TornRelief<'a> {
             let direction = bundles.directions[node.node as usize];
             let out = direction * radius - (level.middle - self.ends.pith);
             let edge = level.sliver * node.shared_outline;
-            let along = match self.field {
-                Some(field) if field.has_failures() => {
-                    let strip = self.ends.bundles[node.cell as usize].strip;
-                    self.bark_level(strip as usize, bundles.addresses[node.node as usize].1)
-                }
+            let strip = self.ends.bundles[node.cell as usize].strip as usize;
+            let phi = bundles.addresses[node.node as usize].1;
+            let along = match (self.field, self.added) {
+                (Some(field), _) if field.has_failures() => self.bark_level(strip, phi),
+                (None, Some(added)) => self.bark_added(added, strip, phi),
                 _ => 0.0,
             };
             return level.base + along + edge + out.dot(level.slant) / radius;

@@ -273,9 +273,10 @@ impl Engine {
         let mut broken = opened.session.broken(&request, &breaking)?;
         broken.report.scan.clone_from(&opened.scan);
         let origin = opened.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
-        let drawn = DrawnScene::new(&broken, &mut opened.decoded);
+        let mut drawn = DrawnScene::new(&broken, &mut opened.decoded);
         let started_at = started.unwrap_or(opened.session.started_at());
         opened.remember(&request, &broken, &drawn, context)?;
+        drawn.survey();
         let sections = match job.sections_of {
             Some(number) => opened.sections(&request, number, &broken, context)?,
             None => None,
@@ -308,10 +309,11 @@ impl Opened {
         if !around.hold_for(request, &stages) {
             return Ok(None);
         }
-        let Some(drawn) = around.drawn(&stages) else {
+        let Some(mut drawn) = around.drawn(&stages) else {
             return Ok(None);
         };
         self.around = Some(around);
+        drawn.survey();
         early(drawn);
         Ok(Some(started_at))
     }

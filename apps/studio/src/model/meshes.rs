@@ -114,6 +114,9 @@ pub struct DrawnPiece {
     pub motion: DAffine3,
 }
 
+/// A box, by its least and its greatest corner.
+pub type Box3 = [[f32; 3]; 2];
+
 /// A broken scene as the card draws it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct DrawnScene {
@@ -139,6 +142,11 @@ pub struct DrawnScene {
     pub radius: f64,
     /// Each break from the middle: where it is, along the stem, and how large the stem is there, m.
     pub breaks: Vec<DrawnBreak>,
+    /// Boxes around its triangles, some to each, in their order; none where they were not worked out ([`DrawnScene::survey`]).
+    #[serde(with = "wire::plain")]
+    pub boxes: Vec<Box3>,
+    /// Heights of the face below each break, as [`CrackFace`](super::placed_cracks::CrackFace) has them, likewise.
+    pub faces: Vec<Vec<f32>>,
 }
 
 /// Where a break is.

@@ -25,6 +25,7 @@ pub mod section_book;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod simulated;
 pub mod simulation;
+pub mod survey;
 pub mod tilt;
 pub mod units;
 pub mod wire;

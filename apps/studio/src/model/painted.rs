@@ -87,25 +87,44 @@ pub struct Dab {
     pub smooths: bool,
 }
 
-/// What a grid begins with where a face has none.
+/// The stem that is painted on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Site {
     /// Radius of the stem, m.
     pub radius: f64,
     /// The species' factor on the torn relief.
     pub relief: f64,
-    /// The factor that dabs of splinters lead to.
-    pub splintery: f64,
 }
 
-impl Site {
-    /// That of a face on a stem of a radius, m, with the species' factor on the torn relief.
-    pub fn new(face: &BreakParameters, radius: f64, relief: f64) -> Self {
+/// What values of a grid count from.
+#[derive(Debug, Clone)]
+struct Ground {
+    radius: f64,
+    /// Height of the face under each cell, m, where the grid is added to it.
+    levels: Vec<f64>,
+    /// Splintering that is that of the species, and that dabs of splinters lead to.
+    relief: f64,
+    splintery: f64,
+}
+
+impl Ground {
+    fn new(face: &BreakParameters, grid: &HeightGrid, site: Site) -> Self {
         let torn = (face.slab_height + face.sliver_height).max(1e-3);
-        Site {
-            radius,
-            relief,
-            splintery: (SPLINTERY * relief).max(LONG / torn),
+        let splintery = (SPLINTERY * site.relief).max(LONG / torn);
+        if !grid.added {
+            return Ground {
+                radius: site.radius,
+                levels: vec![0.0; grid.values.len()],
+                relief: site.relief,
+                splintery,
+            };
+        }
+        let levels = middles(grid).map(|(rho, angle)| level(face, rho, angle) * site.radius);
+        Ground {
+            radius: site.radius,
+            levels: levels.collect(),
+            relief: 1.0,
+            splintery: splintery / site.relief.max(1e-3),
         }
     }
 }
@@ -114,40 +133,30 @@ fn across(rho: f64, angle: f64) -> glam::DVec2 {
     glam::DVec2::from_angle(angle) * rho
 }
 
-/// The grid of a face as its parameters shape it, but for what is torn: inclination, layers, and the compression shelf.
-pub fn grid_of(face: &BreakParameters, site: Site) -> HeightGrid {
+/// The grid that painting begins with: it changes nothing.
+pub fn blank_grid() -> HeightGrid {
+    HeightGrid {
+        sectors: SECTORS as u32,
+        values: vec![0.0; RINGS * SECTORS],
+        modes: vec![FailureMode::Torn; RINGS * SECTORS],
+        splintering: vec![1.0; RINGS * SECTORS],
+        added: true,
+        ..HeightGrid::default()
+    }
+}
+
+/// Height of a face, radii, as its inclination and its layers shape it.
+fn level(face: &BreakParameters, rho: f64, angle: f64) -> f64 {
     let steep = face.inclination.min(STEEPEST).to_radians().tan();
     let upwards = across(steep, face.inclination_direction.to_radians());
-    let tension = across(1.0, face.ductile.direction.to_radians());
-    let mut grid = HeightGrid {
-        sectors: SECTORS as u32,
-        ..HeightGrid::default()
-    };
-    for cell in 0..RINGS * SECTORS {
-        let (rho, angle) = grid_middle(&SectionSpan::WHOLE, (RINGS, SECTORS), cell);
-        let at = across(rho, angle);
-        let mut height = at.dot(upwards);
-        for (sector, layer) in [
-            (face.high.sector(), face.high.height),
-            (face.low.sector(), face.low.height),
-        ] {
-            if sector.contains(angle.to_degrees(), rho) {
-                height += layer;
-            }
-        }
-        let shelf = face.compression_shelf;
-        let crushed = shelf > 0.0 && at.dot(tension) + 1.0 < 2.0 * shelf;
-        grid.values.push(rounded(height * site.radius, METRE));
-        grid.modes.push(match crushed {
-            true => FailureMode::Crushed,
-            false => FailureMode::Torn,
-        });
-        grid.splintering.push(match crushed {
-            true => 0.0,
-            false => rounded(site.relief, PART),
-        });
-    }
-    grid
+    let layers = [
+        (face.high.sector(), face.high.height),
+        (face.low.sector(), face.low.height),
+    ];
+    let here = layers
+        .into_iter()
+        .filter(|(sector, _)| sector.contains(angle.to_degrees(), rho));
+    across(rho, angle).dot(upwards) + here.map(|(_, height)| height).sum::<f64>()
 }
 
 fn rounded(x: f64, parts: f64) -> f64 {
@@ -168,13 +177,15 @@ pub fn middles(grid: &HeightGrid) -> impl Iterator<Item = (f64, f64)> {
     (0..count).map(move |cell| grid_middle(&span, (count.div_ceil(sectors), sectors), cell))
 }
 
-/// Dabs on a grid.
-pub fn dab(grid: &mut HeightGrid, brush: &Brush, dab: &Dab, site: Site) {
+/// Dabs on a grid over a face.
+pub fn dab(grid: &mut HeightGrid, brush: &Brush, dab: &Dab, face: &BreakParameters, site: Site) {
     if grid.modes.len() != grid.values.len() {
+        let count = grid.values.len();
+        grid.modes = vec![FailureMode::Torn; count];
         // Heights alone are the face as it was measured: it has no relief of its own but where that is painted.
-        grid.modes = vec![FailureMode::Torn; grid.values.len()];
-        grid.splintering = vec![0.0; grid.values.len()];
+        grid.splintering = vec![f64::from(u8::from(grid.added)); count];
     }
+    let ground = Ground::new(face, grid, site);
     let middle = across(dab.rho, dab.angle);
     let weights: Vec<f64> = middles(grid)
         .map(|(rho, angle)| {
@@ -183,40 +194,43 @@ pub fn dab(grid: &mut HeightGrid, brush: &Brush, dab: &Dab, site: Site) {
             near * near
         })
         .collect();
-    let before = (grid.values.clone(), grid.splintering.clone());
+    let heights: Vec<f64> = (grid.values.iter().zip(&ground.levels))
+        .map(|(value, level)| value + level)
+        .collect();
+    let before = (heights, grid.splintering.clone());
     for (cell, weight) in weights.into_iter().enumerate() {
         if weight == 0.0 {
             continue;
         }
         let part = weight * brush.strength;
-        let (height, torn) = (&mut grid.values[cell], &mut grid.splintering[cell]);
+        let (mut height, torn) = (before.0[cell], &mut grid.splintering[cell]);
         if dab.smooths {
             let around = neighbours(cell, grid.sectors as usize, before.0.len());
             let mean = |of: &[f64]| around.iter().map(|i| of[*i]).sum::<f64>() / 4.0;
-            *height += (mean(&before.0) - *height) * part;
+            height += (mean(&before.0) - height) * part;
             *torn += (mean(&before.1) - *torn) * part;
         } else {
             match brush.kind {
-                BrushKind::Break => *height += (dab.height - *height) * part,
+                BrushKind::Break => height += (dab.height - height) * part,
                 BrushKind::Stay => {
-                    let by = RISE * site.radius * part;
-                    *height += if dab.reversed { -by } else { by };
+                    let by = RISE * ground.radius * part;
+                    height += if dab.reversed { -by } else { by };
                 }
                 BrushKind::Splinter if dab.reversed => {
                     *torn -= *torn * SPLINTER_STEP * part;
-                    if weight > OWN && *torn < BLUNT * site.relief {
+                    if weight > OWN && *torn < BLUNT * ground.relief {
                         grid.modes[cell] = FailureMode::Crushed;
                     }
                 }
                 BrushKind::Splinter => {
-                    *torn += (site.splintery - *torn).max(0.0) * SPLINTER_STEP * part;
+                    *torn += (ground.splintery - *torn).max(0.0) * SPLINTER_STEP * part;
                     if weight > OWN {
                         grid.modes[cell] = FailureMode::Torn;
                     }
                 }
             }
         }
-        *height = rounded(*height, METRE);
+        grid.values[cell] = rounded(height - ground.levels[cell], METRE);
         *torn = rounded(*torn, PART);
     }
 }
@@ -245,10 +259,9 @@ impl Project {
         Some(&one.heights).filter(|grid| !grid.values.is_empty())
     }
 
-    /// What painting on a break begins with, on a stem of a radius, m, with the species' factor on the torn relief.
-    pub fn paint_site(&self, number: usize, radius: f64, relief: f64) -> Site {
-        let one = self.file.breaks.get(number).unwrap_or(&self.file.common);
-        Site::new(&one.recipe.face, radius, relief)
+    /// Whether the heights of a break were measured, so that its plane and its layers change nothing.
+    pub fn has_own_heights(&self, number: usize) -> bool {
+        self.painted(number).is_some_and(|grid| !grid.added)
     }
 
     /// Whether the face of a break is drawn without splinters, whatever is painted.
@@ -274,10 +287,10 @@ impl Project {
                 None => &mut file.common,
             };
             if one.heights.values.is_empty() {
-                one.heights = grid_of(&one.recipe.face, site);
+                one.heights = blank_grid();
             }
             for d in dabs {
-                dab(&mut one.heights, brush, d, site);
+                dab(&mut one.heights, brush, d, &one.recipe.face, site);
             }
             Ok::<(), String>(())
         })
@@ -308,7 +321,6 @@ mod tests {
     const SITE: Site = Site {
         radius: 0.02,
         relief: 1.2,
-        splintery: 3.6,
     };
 
     fn brush(kind: BrushKind) -> Brush {
@@ -333,19 +345,32 @@ mod tests {
             inclination: 30.0,
             ..BreakParameters::default()
         };
-        let first = grid_of(&face, SITE);
-        // The plane of the face, by its steepest line.
-        let highest = first.values.iter().copied().fold(f64::MIN, f64::max);
-        let rim = SITE.radius * 30f64.to_radians().tan();
-        assert!((highest / rim - 1.0).abs() < 0.05, "{highest} {rim}");
+        // A face that is added to, and one that was measured: there heights and splintering are whole, not beside the face's.
+        let added = blank_grid();
+        let measured = HeightGrid {
+            splintering: vec![SITE.relief; added.values.len()],
+            added: false,
+            ..added.clone()
+        };
+        for (first, unit) in [(added, 1.0), (measured, SITE.relief)] {
+            changes_what_is_near(&face, &first, unit);
+        }
+    }
+
+    fn changes_what_is_near(face: &BreakParameters, first: &HeightGrid, unit: f64) {
+        // The plane of the face, by its slope.
+        let plane = |(rho, angle): (f64, f64)| match first.added {
+            true => SITE.radius * rho * angle.cos() * 30f64.to_radians().tan(),
+            false => 0.0,
+        };
         for kind in BrushKind::ALL {
             for reversed in [false, true] {
                 let mut grid = first.clone();
                 for _ in 0..30 {
-                    dab(&mut grid, &brush(kind), &Dab { reversed, ..AT }, SITE);
+                    dab(&mut grid, &brush(kind), &Dab { reversed, ..AT }, face, SITE);
                 }
                 assert!(grid.source().is_ok());
-                let (mut changed, mut nearest) = (0, (f64::INFINITY, 0));
+                let (mut changed, mut nearest) = (0, (f64::INFINITY, 0, 0.0));
                 for (cell, (rho, angle)) in middles(&grid).enumerate() {
                     let far = across(rho, angle).distance(across(AT.rho, AT.angle));
                     let same = grid.values[cell] == first.values[cell]
@@ -353,14 +378,17 @@ mod tests {
                     assert!(same || far < 0.4, "{kind:?} at {far}");
                     changed += usize::from(!same);
                     if far < nearest.0 {
-                        nearest = (far, cell);
+                        nearest = (far, cell, plane((rho, angle)));
                     }
                 }
                 assert!(changed > 20, "{kind:?}: {changed}");
                 let (height, torn) = (grid.values[nearest.1], grid.splintering[nearest.1]);
                 match (kind, reversed) {
-                    (BrushKind::Break, _) => assert!((height - AT.height).abs() < 1e-3),
-                    (BrushKind::Splinter, false) => assert!(torn > 2.9 * SITE.relief, "{torn}"),
+                    (BrushKind::Break, _) => {
+                        let there = height + nearest.2;
+                        assert!((there - AT.height).abs() < 1e-3, "{there}");
+                    }
+                    (BrushKind::Splinter, false) => assert!(torn > 2.9 * unit, "{torn}"),
                     (BrushKind::Splinter, true) => {
                         assert_eq!(grid.modes[nearest.1], FailureMode::Crushed);
                         assert!(torn < 0.1, "{torn}");
@@ -374,15 +402,16 @@ mod tests {
 
     #[test]
     fn smoothing_leaves_a_level_face_and_levels_a_hill() {
-        let flat = grid_of(&BreakParameters::default(), SITE);
+        let face = BreakParameters::default();
+        let flat = blank_grid();
         let smooth = Dab {
             smooths: true,
             ..AT
         };
         let mut grid = flat.clone();
-        dab(&mut grid, &brush(BrushKind::Stay), &smooth, SITE);
+        dab(&mut grid, &brush(BrushKind::Stay), &smooth, &face, SITE);
         assert_eq!(grid, flat);
-        dab(&mut grid, &brush(BrushKind::Stay), &AT, SITE);
+        dab(&mut grid, &brush(BrushKind::Stay), &AT, &face, SITE);
         let rough = |grid: &HeightGrid| -> f64 {
             let sectors = grid.sectors as usize;
             let steps = (0..grid.values.len()).flat_map(|i| {
@@ -393,7 +422,7 @@ mod tests {
         };
         let before = rough(&grid);
         for _ in 0..20 {
-            dab(&mut grid, &brush(BrushKind::Stay), &smooth, SITE);
+            dab(&mut grid, &brush(BrushKind::Stay), &smooth, &face, SITE);
         }
         assert!(rough(&grid) < 0.7 * before, "{} {before}", rough(&grid));
     }

@@ -21,6 +21,8 @@ const INWARDS: f32 = 0.45;
 const OUTWARDS: f32 = 0.35;
 /// Range of depths, radii.
 const DEPTHS: (f64, f64) = (0.01, 40.0);
+/// Half the side of the map of heights, radii.
+const MAP_HALF: f32 = 1.5;
 /// Cells of the map of heights along a side.
 const CELLS: usize = 40;
 /// Cells to every side over which heights are averaged.
@@ -192,38 +194,18 @@ impl CrackFace {
     pub fn new(scene: &DrawnScene, number: usize) -> Option<Self> {
         let (at, look) = (*scene.breaks.get(number)?, scene.woods.get(number)?.clone());
         let place = scene.break_place(number);
-        let piece = scene.piece_below(number)?;
-        let half = 1.5 * at.radius;
-        let mut highest = vec![(0.0f32, 0u32); CELLS * CELLS];
-        let wood = |b: &&super::meshes::Batch| b.shading == Shading::Wood(number);
-        for batch in scene.batches.iter().filter(wood) {
-            let (first, last) = (batch.first as usize, (batch.first + batch.count) as usize);
-            for &i in &scene.indices[first..last] {
-                let v = &scene.vertices[i as usize];
-                if v.zone_piece[1] as usize != piece {
-                    continue;
-                }
-                if let Some(cell) = cell(Vec2::new(v.grain[0], v.grain[1]), half) {
-                    // The highest point: the walls of a crack lie below its rim.
-                    let height = v.grain[2] - at.length;
-                    let (known, count) = &mut highest[cell];
-                    *known = if *count == 0 {
-                        height
-                    } else {
-                        known.max(height)
-                    };
-                    *count = 1;
-                }
-            }
-        }
+        let known = scene.faces.get(number).filter(|f| f.len() == CELLS * CELLS);
+        let heights = match known {
+            Some(heights) => heights.clone(),
+            None => face_heights(scene, number),
+        };
+        scene.piece_below(number)?;
         Some(CrackFace {
             at,
             place,
             look,
-            half,
-            heights: (0..CELLS * CELLS)
-                .map(|i| height_around(&highest, i))
-                .collect(),
+            half: MAP_HALF * at.radius,
+            heights,
         })
     }
 
@@ -343,6 +325,39 @@ impl CrackFace {
         let square = across.length_squared();
         (square > 1e-6).then(|| direction.cross(across).dot(origin - from) / square)
     }
+}
+
+/// The heights of the face below a break of a scene, cell by cell; none where there is no such break.
+pub fn face_heights(scene: &DrawnScene, number: usize) -> Vec<f32> {
+    let (Some(&at), Some(piece)) = (scene.breaks.get(number), scene.piece_below(number)) else {
+        return Vec::new();
+    };
+    let half = MAP_HALF * at.radius;
+    let mut highest = vec![(0.0f32, 0u32); CELLS * CELLS];
+    let wood = |b: &&super::meshes::Batch| b.shading == Shading::Wood(number);
+    for batch in scene.batches.iter().filter(wood) {
+        let (first, last) = (batch.first as usize, (batch.first + batch.count) as usize);
+        for &i in &scene.indices[first..last] {
+            let v = &scene.vertices[i as usize];
+            if v.zone_piece[1] as usize != piece {
+                continue;
+            }
+            if let Some(cell) = cell(Vec2::new(v.grain[0], v.grain[1]), half) {
+                // The highest point: the walls of a crack lie below its rim.
+                let height = v.grain[2] - at.length;
+                let (known, count) = &mut highest[cell];
+                *known = if *count == 0 {
+                    height
+                } else {
+                    known.max(height)
+                };
+                *count = 1;
+            }
+        }
+    }
+    (0..CELLS * CELLS)
+        .map(|i| height_around(&highest, i))
+        .collect()
 }
 
 /// The mean height over a cell and those around it, so that lines over them are smooth; 0 where there is none.

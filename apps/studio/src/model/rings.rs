@@ -1,15 +1,22 @@
 //! Rings that are dragged to where they truly are: the edges of all rings follow, and become part of the request.
 
+use super::input::InputContent;
 use super::project::Project;
+use super::section_book::StemSection;
+use glam::{DVec2, DVec3};
 use greenstick::RequestFile;
 use greenstick::wood::anatomy::RingMethodChoice;
-use greenstick::wood::rings::RingSeriesParameters;
+use greenstick::wood::rings::{ONSET_RANGE, RingSeriesParameters};
+use greenstick::wood::stem::PithPosition;
 use std::collections::BTreeSet;
 
 /// Least width of a ring between dragged ones, in mean widths.
 const LEAST_WIDTH: f64 = 0.15;
 /// To which part of a metre, or of the radius, the numbers of a request are rounded: finer than wood is measured.
 const ROUNDED: f64 = 1e7;
+/// Part of a metre to which the pith is rounded, and parts of the radius to which the onset is.
+const PITH_PART: f64 = 1e-6;
+const ONSET_PARTS: f64 = 1e3;
 
 /// Edges of rings of which one was dragged.
 ///
@@ -76,7 +83,73 @@ pub fn series(
     out
 }
 
+/// What of a stem's rings is dragged beside their edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PithPart {
+    /// The pith.
+    Pith,
+    /// The ring at which an eccentric stem began to lean.
+    Onset,
+}
+
 impl Project {
+    /// Says where the pith is: at a point of a section, m.
+    ///
+    /// # Errors
+    /// As [`Project::change`]; and for a section beside the break of a scan, whose bark has coordinates of its own.
+    pub fn set_pith(
+        &mut self,
+        section: &StemSection,
+        is_at_break: bool,
+        at: DVec2,
+    ) -> Result<bool, String> {
+        let part = |x: f64| (x / PITH_PART).round() * PITH_PART;
+        let is_scan =
+            self.file.scan.as_scan || matches!(&*self.input.content, InputContent::Cloud(_));
+        let pith = if is_at_break && self.break_count() == 1 {
+            PithPosition::Section(DVec2::new(part(at.x), part(at.y)))
+        } else if is_scan {
+            return Err(
+                "The pith of a scan is dragged in the section at its only break.".to_owned(),
+            );
+        } else {
+            let p = section.world(at);
+            PithPosition::World(DVec3::new(part(p.x), part(p.y), part(p.z)))
+        };
+        self.change("pith", true, |file| {
+            file.stem.pith = Some(pith);
+            Ok::<(), String>(())
+        })
+    }
+
+    /// Says from which ring coordinate on the stem is eccentric. Returns the one that was set, and whether anything changed.
+    ///
+    /// # Errors
+    /// As [`Project::change`].
+    pub fn set_onset(&mut self, onset: f64) -> Result<(f64, bool), String> {
+        let onset = onset.clamp(*ONSET_RANGE.start(), *ONSET_RANGE.end());
+        let onset = (onset * ONSET_PARTS).round() / ONSET_PARTS;
+        let changed = self.change("onset of eccentricity", true, |file| {
+            file.stem.eccentricity_onset = Some(onset);
+            Ok::<(), String>(())
+        })?;
+        Ok((onset, changed))
+    }
+
+    /// Leaves the pith or the onset to the program again.
+    ///
+    /// # Errors
+    /// As [`Project::change`].
+    pub fn free_pith(&mut self, part: PithPart) -> Result<bool, String> {
+        self.change("worked out", false, |file| {
+            match part {
+                PithPart::Pith => file.stem.pith = None,
+                PithPart::Onset => file.stem.eccentricity_onset = None,
+            }
+            Ok::<(), String>(())
+        })
+    }
+
     /// Number of rings that the request lists; none where it lists none.
     pub fn listed_rings(&self) -> Option<usize> {
         let series = &self.file.rings.series;
@@ -148,7 +221,6 @@ pub fn are_eroded(file: &RequestFile) -> bool {
 mod tests {
     use super::*;
     use crate::model::input::Input;
-    use glam::DVec2;
     use greenstick::wood::rings::{RingDivision, RingField};
     use greenstick::wood::tissue::Proportions;
 

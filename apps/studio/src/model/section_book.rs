@@ -80,6 +80,14 @@ impl SectionRings {
         }
     }
 
+    /// The ring coordinate from which on the stem is eccentric; none where rings are arcs.
+    pub fn onset(&self) -> Option<f64> {
+        match self {
+            SectionRings::Field(field) => field.eccentricity_onset(),
+            SectionRings::Arcs(..) => None,
+        }
+    }
+
     /// Ring coordinate and angle (rad) of a point, m.
     pub fn address(&self, p: DVec2) -> (f64, f64) {
         match self {
@@ -142,7 +150,12 @@ impl StemSection {
 
     /// Its rings.
     pub fn section_rings(&self) -> SectionRings {
-        let (shape, pith) = (&self.rings, DVec2::from_array(self.rings.pith));
+        self.rings_of(&self.rings)
+    }
+
+    /// The rings that it would have of another shape.
+    pub fn rings_of(&self, shape: &RingShape) -> SectionRings {
+        let pith = DVec2::from_array(shape.pith);
         let outline: Vec<DVec2> = self.outline().collect();
         let field = shape
             .onset

@@ -151,7 +151,7 @@ pub trait Platform {
     fn keep(&mut self, project: Option<&ProjectFile>);
     /// What was kept when the program last ended without saving: where it is.
     fn kept(&self) -> Option<String>;
-    /// Tells that the graphics card was lost, where no other window can be opened: nothing is drawn any more.
+    /// Tells that the graphics card was lost, where it is the machine that goes on with the studio on another one.
     fn tell_card_lost(&mut self) {}
     /// Settings of the window.
     fn settings(&self) -> Settings;

@@ -3,6 +3,7 @@
 
 use super::anatomy_view::AnatomyView;
 use super::colours::ACCENT;
+use super::pith::paint_pith_and_onset;
 use super::section_picture::{
     Lie, board_picture, paint_angles, paint_pin, paint_ring, paint_scale, paint_wood,
 };
@@ -79,7 +80,7 @@ impl Studio {
         self.numbers += 1;
         let number = self.numbers;
         self.anatomy.book = Some(sections.map(|book| (number, Arc::new(book))));
-        if self.anatomy.held.is_none() {
+        if self.anatomy.held.is_none() && self.anatomy.pith_held.is_none() {
             self.anatomy.edges = None;
         }
     }
@@ -139,7 +140,12 @@ impl Studio {
         let index = self.section_index(&book);
         let known = self.anatomy.rings.take();
         let rings = match known {
-            Some((of, at, rings)) if of == number && at == index => rings,
+            // What is held is where the hand has it, whatever answers come.
+            Some((of, at, rings))
+                if at == index && (of == number || self.anatomy.pith_held.is_some()) =>
+            {
+                rings
+            }
             _ => Arc::new(book.sections[index].section_rings()),
         };
         self.anatomy.rings = Some((number, index, rings.clone()));
@@ -226,7 +232,11 @@ impl Studio {
         let both = (scene.section(), &*scene.rings);
         paint_wood(&painter, &lie, both, (&scene.look, &scene.edges), board);
         self.paint_section_cracks(&painter, scene, &lie);
-        let over = self.drag_ring(ui, scene, (rect, lie), response);
+        let takes_pith = self.drag_pith(ui, &scene.book, scene.index, &lie, response);
+        let over = match takes_pith {
+            true => None,
+            false => self.drag_ring(ui, scene, (rect, lie), response),
+        };
         for pin in self.project.pins() {
             if let Some(rho) = scene.edges.get(pin) {
                 let stroke = Stroke::new(1.0, ACCENT.gamma_multiply(0.6));
@@ -237,6 +247,7 @@ impl Studio {
         if let Some(rho) = over.and_then(|ring| scene.edges.get(ring)) {
             paint_ring(&painter, &lie, both, *rho, Stroke::new(2.0, ACCENT));
         }
+        paint_pith_and_onset(&painter, &lie, both.1, response.hover_pos());
         let color = ui.visuals().weak_text_color();
         paint_angles(&painter, &lie, both.0, both.1, color);
         paint_scale(
@@ -522,9 +533,10 @@ impl Studio {
             "Rings that come from an erosion cannot be dragged."
         } else {
             "Drag a ring's edge to where it is: the others follow, but for those that were dragged before (with Ctrl all others stay). \
-             A double click frees it."
+             The cross is dragged to the pith, the dot of the dashed ring to where an eccentric stem began to lean. A double click \
+             leaves each to the program again."
         };
-        ui.label(RichText::new(text).small().weak());
+        ui.label(RichText::new(text).weak());
     }
 }
 

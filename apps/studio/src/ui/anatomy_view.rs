@@ -1,6 +1,7 @@
 //! What the section browser shows and holds.
 
 use super::section_picture::Lie;
+use crate::model::rings::PithPart;
 use crate::model::section_book::{SectionBook, SectionRings};
 use eframe::egui::{Rect, TextureHandle, Vec2};
 use std::sync::Arc;
@@ -20,6 +21,8 @@ pub struct AnatomyView {
     pub(super) board: Option<(u64, usize, Vec<f64>, TextureHandle)>,
     /// The ring that is held, and the edges of all rings before.
     pub(super) held: Option<(usize, Vec<f64>)>,
+    /// Whether the pith or the onset is held.
+    pub(super) pith_held: Option<PithPart>,
     /// Edges that were dragged, until an answer has them.
     pub(super) edges: Option<Vec<f64>>,
     /// How near the section is, and by how much it is shifted, points.

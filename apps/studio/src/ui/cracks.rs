@@ -31,6 +31,11 @@ impl Studio {
         };
     }
 
+    /// The broken face below the selected break as it is drawn.
+    pub fn face(&mut self) -> Option<Arc<CrackFace>> {
+        self.crack_face()
+    }
+
     pub(super) fn crack_face(&mut self) -> Option<Arc<CrackFace>> {
         let (id, drawn) = self.drawn.clone()?;
         let number = self.project.selected().unwrap_or(0);

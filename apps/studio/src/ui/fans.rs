@@ -51,9 +51,8 @@ impl Studio {
     fn handled_fan(&mut self) -> Option<(FanKind, Fan, Arc<CrackFace>)> {
         let kind = self.fans.kind.filter(|_| self.view.handles)?;
         let number = self.handled_break()?;
-        // What is painted has its own heights; the zone of splinters still acts.
-        let painted = self.project.painted(number).is_some();
-        if painted && kind != FanKind::Ductile {
+        // What was measured has its own heights; the zone of splinters still acts.
+        if self.project.has_own_heights(number) && kind != FanKind::Ductile {
             return None;
         }
         let face = self.crack_face()?;

@@ -30,10 +30,10 @@ impl Studio {
         Some((handle, tilt))
     }
 
-    /// Whether the heights of the break are painted, so that its plane and its layers change nothing.
-    fn is_painted(&self) -> bool {
+    /// Whether the heights of the break were measured, so that its plane changes nothing.
+    fn has_own_heights(&self) -> bool {
         let number = self.handled_break();
-        number.is_some_and(|n| self.project.painted(n).is_some())
+        number.is_some_and(|n| self.project.has_own_heights(n))
     }
 
     /// Where a point is in the window.
@@ -49,7 +49,7 @@ impl Studio {
         let (handle, tilt) = self
             .tilt_handle()
             .filter(|_| self.view.handles && self.fans.kind.is_none())
-            .filter(|_| !self.is_painted())?;
+            .filter(|_| !self.has_own_heights())?;
         self.in_window(rect, handle.tip(tilt))
     }
 

@@ -28,6 +28,7 @@ mod parameters;
 mod photograph;
 mod photograph_view;
 mod pictures;
+mod pith;
 mod section_line;
 mod section_picture;
 mod simulation;

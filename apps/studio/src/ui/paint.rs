@@ -50,9 +50,10 @@ impl Studio {
         let report = self.shown.as_ref().map(|s| &s.report);
         let species = report.and_then(|r| r.species.as_ref());
         let relief = species.map_or(1.0, |s| s.relief);
-        let number = self.handled_break().unwrap_or(0);
-        self.project
-            .paint_site(number, f64::from(face.radius()), relief)
+        Site {
+            radius: f64::from(face.radius()),
+            relief,
+        }
     }
 
     /// Where the pointer is on the wood, on whatever piece.
@@ -233,7 +234,10 @@ impl Studio {
         let Some(grid) = self.project.painted(number) else {
             return;
         };
-        let relief = self.paint_site(&face).relief;
+        let unit = match grid.added {
+            true => 1.0,
+            false => self.paint_site(&face).relief,
+        };
         let sectors = grid.sectors as usize;
         if grid.splintering.len() != grid.values.len() || sectors < 3 {
             return;
@@ -249,7 +253,7 @@ impl Studio {
             let Some(pos) = self.in_window(rect, face.point(place, face.height(place))) else {
                 return;
             };
-            let torn = grid.splintering[cell] / relief.max(1e-6);
+            let torn = grid.splintering[cell] / unit.max(1e-6);
             let blunt = grid.modes[cell] == FailureMode::Crushed || torn < TINTED.0;
             let (color, part) = match torn {
                 _ if blunt => ((90, 150, 240), 1.0 - torn.min(1.0)),

@@ -191,15 +191,6 @@ pub(super) fn paint_wood(
         let stroke = Stroke::new(1.5, Color32::from_rgb(40, 30, 22));
         painter.add(Shape::closed_line(line.collect(), stroke));
     }
-    paint_pith(painter, lie.window(rings.pith()));
-}
-
-fn paint_pith(painter: &Painter, at: Pos2) {
-    for (color, width) in [(Color32::from_black_alpha(160), 3.0), (Color32::WHITE, 1.0)] {
-        for arm in [Vec2::new(5.0, 0.0), Vec2::new(0.0, 5.0)] {
-            painter.line_segment([at - arm, at + arm], Stroke::new(width, color));
-        }
-    }
 }
 
 /// Draws the line of a ring coordinate where it lies in the wood.

@@ -15,13 +15,10 @@ pub struct Picked {
 }
 
 /// Returns the nearest point of a scene on a ray; `only` looks through all pieces but one.
-pub fn pick(
-    scene: &DrawnScene,
-    (origin, direction): (Vec3, Vec3),
-    only: Option<usize>,
-) -> Option<Picked> {
+pub fn pick(scene: &DrawnScene, ray: (Vec3, Vec3), only: Option<usize>) -> Option<Picked> {
+    let (origin, direction) = ray;
     let mut nearest: Option<(f32, Picked)> = None;
-    for corners in scene.indices.as_chunks::<3>().0 {
+    for corners in scene.along(ray) {
         let v = corners.map(|i| &scene.vertices[i as usize]);
         let piece = v[0].zone_piece[1] as usize;
         if only.is_some_and(|only| piece != only) {

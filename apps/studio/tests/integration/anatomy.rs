@@ -1,9 +1,10 @@
 //! The section browser, driven as a person would: a height is dragged, a ring is dragged, undone, and saved.
 
 use crate::common::{Folder, drag, exported, saved_and_broken, settle, studio, test_data};
-use eframe::egui::{Key, Modifiers, vec2};
+use eframe::egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
 use greenstick::RequestFile;
+use greenstick::wood::stem::PithPosition;
 
 #[test]
 fn a_ring_is_dragged_to_where_it_is_and_the_break_follows() {
@@ -61,6 +62,61 @@ fn a_ring_is_dragged_to_where_it_is_and_the_break_follows() {
     settle(&mut harness);
     let rings = &harness.state().project.file.rings;
     assert_eq!(rings, &RequestFile::default().rings);
+}
+
+#[test]
+fn the_pith_and_the_onset_are_dragged_and_the_rings_follow() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::S);
+    settle(&mut harness);
+    let pith = harness.state().pith_dot().unwrap();
+    let to = pith + vec2(18.0, -11.0);
+    drag(&mut harness, pith, to);
+    assert!(harness.state().messages().is_empty());
+    // The rings of the answer are about where it was let go.
+    let now = harness.state().pith_dot().unwrap();
+    assert!(now.distance(to) < 1.0, "{pith} {now} {to}");
+    let moved = harness.state().project.file.stem.pith;
+    assert!(matches!(moved, Some(PithPosition::Section(_))), "{moved:?}");
+    let first = harness.state().ring_at(0, 1.0).unwrap();
+    let opposite = harness
+        .state()
+        .ring_at(0, 1.0 + std::f64::consts::PI)
+        .unwrap();
+    let middle = first + (opposite - first) * 0.5;
+    assert!(middle.distance(to) < 2.0, "{middle} {to}");
+    // The onset goes where its dot is let go, outwards along its angle.
+    let dot = harness.state().onset_dot().unwrap();
+    let pith = harness.state().pith_dot().unwrap();
+    let outwards = pith + (dot - pith).normalized() * 60.0;
+    drag(&mut harness, dot, outwards);
+    let onset = harness.state().project.file.stem.eccentricity_onset;
+    assert!(onset.is_some());
+    assert!(harness.state().onset_dot().unwrap().distance(outwards) < 1.5);
+    let (saved, bytes) = saved_and_broken(&mut harness, &folder);
+    assert_eq!(saved, harness.state().project.file);
+    assert!(bytes == exported(&harness), "not the command line's bytes");
+    // A double click leaves the onset to the program, and each drag was one step.
+    let at = harness.state().onset_dot().unwrap();
+    for pressed in [true, false, true, false] {
+        harness.hover_at(at);
+        harness.event(Event::PointerButton {
+            pos: at,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        });
+        harness.step();
+    }
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file.stem.eccentricity_onset, None);
+    for _ in 0..3 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut harness);
+    }
+    assert_eq!(harness.state().project.file, RequestFile::default());
 }
 
 #[test]

@@ -51,8 +51,8 @@ fn strokes_on_the_face_say_what_stays_and_what_splinters() {
     };
     stroke(&mut harness);
     let stays = grid(&harness);
-    // The plane of the face is painted over now: its handle is gone.
-    assert!(harness.state().handle_at().is_none());
+    // What is painted lies over the plane of the face: it can still be tilted.
+    assert!(harness.state().handle_at().is_some());
     let radius = harness.state().report().unwrap().place.radius_m;
     let [here, there] = sides(&stays, &stays.values, 1.0);
     assert!(here > 0.1 * radius && there == 0.0, "{here} {there}");
@@ -80,6 +80,42 @@ fn strokes_on_the_face_say_what_stays_and_what_splinters() {
     harness.get_by_label("Clear").click();
     settle(&mut harness);
     assert_eq!(harness.state().project.file, RequestFile::default());
+}
+
+#[test]
+fn a_painted_face_follows_its_plane_and_its_layers() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::Num7);
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    let (from, to) = (place(&mut harness, 0.3, 1.0), place(&mut harness, 0.8, 1.0));
+    drag(&mut harness, from, to);
+    settle(&mut harness);
+    let painted = grid(&harness);
+    let heights = |harness: &mut Harness<'static, Studio>| {
+        settle(harness);
+        let face = harness.state_mut().face().unwrap();
+        [0.0, 1.5, 3.0, 4.5].map(|angle| face.height((0.6, angle)) / face.radius())
+    };
+    let level = heights(&mut harness);
+    let set = |harness: &mut Harness<'static, Studio>, key: &str, value: f64| {
+        let value = greenstick::schema::Value::Number(value);
+        harness.state_mut().set(key, &value, false, 0.0);
+    };
+    set(&mut harness, "break.inclination", 30.0);
+    let tilted = heights(&mut harness);
+    assert_eq!(grid(&harness), painted);
+    // The steepest line goes up at the angle 0. The map of heights is of what splinters reach, cell by cell.
+    let slope = 0.6 * 30f32.to_radians().tan();
+    for (k, angle) in [0.0f32, 1.5, 3.0, 4.5].into_iter().enumerate() {
+        let off = tilted[k] - level[k] - slope * angle.cos();
+        assert!(off.abs() < 0.15, "{angle}: {tilted:?} {level:?}");
+    }
+    let (saved, bytes) = saved_and_broken(&mut harness, &folder);
+    assert_eq!(saved, harness.state().project.file);
+    assert!(bytes == exported(&harness), "not the command line's bytes");
 }
 
 #[test]
@@ -119,6 +155,76 @@ fn a_stroke_over_the_bark_says_where_it_breaks() {
     assert!(rim.y > edge.y + 12.0, "{rim} {edge}");
 }
 
+/// Seconds that this thread has worked, whatever else the machine does; wall time where the system does not tell.
+fn worked() -> f64 {
+    let said = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = said.and_then(|s| s.split_whitespace().next()?.parse::<f64>().ok());
+    nanoseconds.map_or_else(|| START.elapsed().as_secs_f64(), |n| 1e-9 * n)
+}
+
+static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+
+/// A stroke in twelve steps, between which answers are drawn; no update may take the window's thread longer than a tenth of a second.
+fn stroke_held(harness: &mut Harness<'static, Studio>, from: Pos2, to: Pos2, held: Modifiers) {
+    harness.event(eframe::egui::Event::PointerMoved(from));
+    harness.step();
+    let button = |pos, pressed| eframe::egui::Event::PointerButton {
+        pos,
+        button: eframe::egui::PointerButton::Primary,
+        pressed,
+        modifiers: held,
+    };
+    let (mut longest, mut most): (f64, f64) = (0.0, 0.0);
+    let mut step = |harness: &mut Harness<'static, Studio>| {
+        let (start, before) = (Instant::now(), worked());
+        harness.step();
+        longest = longest.max(start.elapsed().as_secs_f64());
+        most = most.max(worked() - before);
+    };
+    harness.event_modifiers(button(from, true), held);
+    for i in 0..=12 {
+        let pos = from + (to - from) * (i as f32 / 12.0);
+        harness.event_modifiers(eframe::egui::Event::PointerMoved(pos), held);
+        step(harness);
+        // Between two moves answers come; keys are held for the moves alone.
+        for _ in 0..if held.is_none() { 4 } else { 0 } {
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            step(harness);
+        }
+    }
+    harness.event_modifiers(button(to, false), held);
+    let begun = Instant::now();
+    step(harness);
+    while harness.state().is_busy() && begun.elapsed().as_secs() < 300 {
+        std::thread::sleep(std::time::Duration::from_millis(10));
+        step(harness);
+    }
+    settle(harness);
+    println!(
+        "longest update {:.1} ms, of which the thread worked at most {:.1} ms",
+        1e3 * longest,
+        1e3 * most
+    );
+    assert!(most < 0.1, "{most}");
+}
+
+#[test]
+fn painting_a_fine_face_leaves_the_window_quick() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    for key in ["break.rings", "break.sectors"] {
+        let value = greenstick::schema::Value::Integer(200);
+        harness.state_mut().set(key, &value, false, 0.0);
+    }
+    settle(&mut harness);
+    harness.key_press(Key::Num7);
+    harness.key_press(Key::B);
+    harness.run_steps(2);
+    let (from, to) = (place(&mut harness, 0.3, 4.0), place(&mut harness, 0.8, 4.0));
+    stroke_held(&mut harness, from, to, Modifiers::NONE);
+    assert!(harness.state().project.painted(0).is_some());
+}
+
 #[test]
 fn a_stroke_with_ctrl_does_the_opposite_and_beside_the_stem_the_picture_turns() {
     let folder = Folder::new();
@@ -133,30 +239,14 @@ fn a_stroke_with_ctrl_does_the_opposite_and_beside_the_stem_the_picture_turns() 
     harness.state_mut().paint.brush.kind = BrushKind::Splinter;
     harness.state_mut().paint.brush.strength = 1.0;
     let (from, to) = (place(&mut harness, 0.3, 4.0), place(&mut harness, 0.8, 4.0));
-    let held = Modifiers::COMMAND;
-    harness.event(eframe::egui::Event::PointerMoved(from));
-    harness.step();
-    let button = |pos, pressed| eframe::egui::Event::PointerButton {
-        pos,
-        button: eframe::egui::PointerButton::Primary,
-        pressed,
-        modifiers: held,
-    };
-    let mut longest: f64 = 0.0;
-    harness.event_modifiers(button(from, true), held);
-    for i in 0..=12 {
-        let pos = from + (to - from) * (i as f32 / 12.0);
-        harness.event_modifiers(eframe::egui::Event::PointerMoved(pos), held);
-        let start = Instant::now();
-        harness.step();
-        longest = longest.max(start.elapsed().as_secs_f64());
+    // Wood is crushed where it was made blunt again and again.
+    for (from, to) in [(from, to), (to, from)] {
+        stroke_held(&mut harness, from, to, Modifiers::COMMAND);
     }
-    harness.event_modifiers(button(to, false), held);
-    settle(&mut harness);
-    println!("longest update {:.1} ms", 1e3 * longest);
     let blunt = grid(&harness);
     let crushed = blunt.modes.iter().filter(|m| **m == FailureMode::Crushed);
-    assert!(crushed.count() > 10);
+    let crushed = crushed.count();
+    assert!(crushed > 3, "{crushed}");
     let [here, there] = sides(&blunt, &blunt.splintering, 4.0);
     assert!(here < 0.5 && there == 1.0, "{here} {there}");
 }

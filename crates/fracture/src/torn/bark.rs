@@ -46,7 +46,10 @@ impl TornRelief<'_> {
     pub(super) fn bark_level(&self, strip: usize, phi: f64) -> f64 {
         let level = self.under_bark[strip];
         match self.field {
-            None => level + self.border_of_layer(strip, phi),
+            None => {
+                let added = self.added.map_or(0.0, |f| self.bark_added(f, strip, phi));
+                level + self.border_of_layer(strip, phi) + added
+            }
             Some(field) => {
                 let p = self.model.p;
                 let below = self.around(field, phi) + p.bark_offset;
@@ -54,6 +57,15 @@ impl TornRelief<'_> {
                 level.clamp(below - free, below + free)
             }
         }
+    }
+
+    /// Returns what a field adds to the bark of a strip at an angle (rad): what it adds to the wood under the strip's middle, or, where
+    /// that is far from what it adds to the wood there, nearer to that.
+    pub(super) fn bark_added(&self, added: &HeightField, strip: usize, phi: f64) -> f64 {
+        let here = self.around(added, phi);
+        let free = BARK_OVERHANG * self.model.p.bark_height * self.bark_relief(phi);
+        let level = self.around(added, self.ends.strips.middle(strip));
+        level.clamp(here - free, here + free)
     }
 
     /// Returns by how much the layers are higher at an angle (rad) than under the middle of a strip of bark, which tears askew where
@@ -85,7 +97,8 @@ impl TornRelief<'_> {
 
     /// Returns the factor on the relief of bark at an angle (rad).
     fn bark_relief(&self, phi: f64) -> f64 {
-        let local = self.field.and_then(|f| f.failure_at(1.0, phi));
+        let field = self.field.or(self.added);
+        let local = field.and_then(|f| f.failure_at(1.0, phi));
         local.map_or(1.0, |l| {
             (0.3 + 0.7 * l.torn) * l.splintering.clamp(0.4, 1.5)
         })
@@ -100,9 +113,10 @@ impl TornRelief<'_> {
     ) -> BundleHeight {
         let p = self.model.p;
         // On a field every node of the bark has the height of its own angle.
+        let strip = end.strip as usize;
         let (level, tilt) = match self.field {
             None => (
-                self.bark_level(end.strip as usize, bundle.phi),
+                self.under_bark[strip] + self.border_of_layer(strip, bundle.phi),
                 self.model.tilt,
             ),
             Some(_) => (0.0, DVec2::ZERO),

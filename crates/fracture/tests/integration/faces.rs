@@ -1,14 +1,17 @@
 //! What faces of broken wood are made of, by statistics of their heights.
 
 use glam::DVec2;
-use greenstick_fracture::heights::{BreakSite, HeightCache, HeightSource, Heights, heights};
+use greenstick_fracture::heights::{
+    BreakSite, CellFailure, FailureMode, HeightCache, HeightField, HeightSource, Heights, heights,
+};
 use greenstick_fracture::layout::{FibreBundles, LayoutOptions, fibrous};
-use greenstick_fracture::parameters::BreakParameters;
+use greenstick_fracture::parameters::{BreakParameters, SurfaceStyle};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_fracture::surface::NONE;
 use greenstick_geometry::{Context, Mesh};
 use greenstick_wood::primitive;
 use greenstick_wood::stem::{Stem, StemLocation, StemOptions, find_stem};
+use std::sync::Arc;
 
 fn stem(mesh: Mesh) -> Stem {
     let middle = StemLocation::Fraction(0.5);
@@ -18,6 +21,15 @@ fn stem(mesh: Mesh) -> Stem {
 
 /// The bundles of a stem's section and the heights of its face.
 fn face(stem: &Stem, options: &LayoutOptions, p: &BreakParameters) -> (FibreBundles, Heights) {
+    from_source(stem, options, p, &HeightSource::Procedural)
+}
+
+fn from_source(
+    stem: &Stem,
+    options: &LayoutOptions,
+    p: &BreakParameters,
+    source: &HeightSource,
+) -> (FibreBundles, Heights) {
     let bundles = fibrous(&stem.rings, options);
     let site = BreakSite {
         radius: stem.radius,
@@ -27,8 +39,7 @@ fn face(stem: &Stem, options: &LayoutOptions, p: &BreakParameters) -> (FibreBund
         wedge: None,
         relief: 1.0,
     };
-    let source = HeightSource::Procedural;
-    let made = heights(&bundles, p, &site, &source, &mut HeightCache::default());
+    let made = heights(&bundles, p, &site, source, &mut HeightCache::default());
     (bundles, made)
 }
 
@@ -215,4 +226,86 @@ fn boards_break_in_wedges_and_not_in_blocks() {
     }
     // Blocks rise in a few sheer steps, and have little between them.
     assert!(steep < 0.39 && jumps < 0.31, "{steep} {jumps}");
+}
+
+/// A field of 4 × 12 cells with a hill on one side of the pith, which splinters far.
+fn hill() -> HeightField {
+    let near = |cell: usize| (3..8).contains(&(cell % 12)) && cell >= 12;
+    let heights = (0..48).map(|i| if near(i) { 0.006 } else { 0.0 });
+    let failures = (0..48).map(|i| CellFailure {
+        mode: FailureMode::Torn,
+        splintering: if near(i) { 1.8 } else { 1.0 },
+    });
+    let field = HeightField::new(4, 12, heights.collect()).unwrap();
+    field.with_failures(failures.collect()).unwrap().added()
+}
+
+#[test]
+fn an_added_field_is_over_whatever_face_the_parameters_shape() {
+    let stem = stem(primitive::cylinder(0.02, 3.0, 64));
+    let none = HeightField::new(4, 12, vec![0.0; 48]).unwrap();
+    let whole = CellFailure {
+        mode: FailureMode::Torn,
+        splintering: 1.0,
+    };
+    let none = none.with_failures(vec![whole; 48]).unwrap().added();
+    let faces = [
+        "",
+        "inclination=25,inclination_direction=70",
+        "high.angle=90,high.rings=0.6,high.height=0.5",
+    ];
+    for (preset, surface) in [
+        ("green-stick", SurfaceStyle::Fibrous),
+        ("brash", SurfaceStyle::Smooth),
+    ] {
+        let made = |settings: &str, field: Option<&HeightField>| {
+            let settings: Vec<&str> = settings.split(',').filter(|s| !s.is_empty()).collect();
+            let p = BreakParameters {
+                surface,
+                // Whether wood was crushed is a matter of the parameters and of the field together.
+                compression_shelf: 0.0,
+                ..Recipe::resolve(&[preset], None, &settings).unwrap().face
+            };
+            let options = LayoutOptions {
+                rings: 24,
+                sectors: 60,
+                reach: (0.0, 1.0),
+                radius: 1.1 * stem.radius,
+                arc: None,
+                bark: Some(0.94),
+                ring_edges: (1..=8).map(|i| 0.125 * f64::from(i)).collect(),
+                seed: p.seed,
+            };
+            let source = field.map_or(HeightSource::Procedural, |f| {
+                HeightSource::Field(Arc::new(f.clone()))
+            });
+            from_source(&stem, &options, &p, &source).1
+        };
+        let mut first = None;
+        for settings in faces {
+            let plain = made(settings, None);
+            let same = made(settings, Some(&none));
+            assert_eq!(plain.surface.heights, same.surface.heights);
+            assert_eq!((plain.scales, plain.moved), ((1.0, 1.0), 0.0));
+            let hilly = made(settings, Some(&hill()));
+            assert_eq!(hilly.scales, (1.0, 1.0));
+            // What the field adds does not depend on the plane or the layers under it.
+            let corners = |h: &Heights| h.surface.heights.concat();
+            let by: Vec<f64> = (corners(&hilly).iter().zip(corners(&plain)))
+                .map(|(a, b)| a - b)
+                .collect();
+            let most = by.iter().copied().fold(f64::MIN, f64::max);
+            assert!(most > 0.0059, "{most}");
+            let first = first.get_or_insert_with(|| by.clone());
+            let off = by.iter().zip(&*first).map(|(a, b)| (a - b).abs());
+            let off = off.fold(0.0, f64::max);
+            assert!(
+                off < 1e-9,
+                "{preset} {settings}: {off} {:?} {:?} {}",
+                hilly.wanted,
+                plain.wanted,
+                hilly.limited
+            );
+        }
+    }
 }

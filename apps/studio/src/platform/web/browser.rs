@@ -21,6 +21,28 @@ pub fn canvas() -> Option<HtmlCanvasElement> {
     document()?.get_element_by_id("studio")?.dyn_into().ok()
 }
 
+/// Puts a new canvas in the place of the one where the studio is drawn: a canvas keeps the context that it had first.
+pub fn renew_canvas() {
+    if let Some(old) = canvas()
+        && let Ok(new) = old.clone_node()
+    {
+        let _ = old.replace_with_with_node_1(&new);
+    }
+}
+
+/// Calls `lost` when the WebGL context of a canvas is lost, which what draws by it is not told of.
+pub fn on_lost(canvas: &HtmlCanvasElement, lost: fn()) {
+    let own = canvas.clone();
+    let told = Closure::<dyn FnMut(Event)>::new(move |_| {
+        if self::canvas().as_ref() == Some(&own) {
+            lost();
+        }
+    });
+    let function = told.as_ref().unchecked_ref();
+    let _ = canvas.add_event_listener_with_callback("webglcontextlost", function);
+    told.forget();
+}
+
 /// Gives keys to the studio.
 pub fn focus() {
     if let Some(canvas) = canvas() {

@@ -4,6 +4,7 @@
 mod browser;
 mod helper;
 mod news;
+mod page;
 mod serve;
 
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
@@ -14,23 +15,17 @@ use crate::model::input::Input;
 use crate::model::link::{link, read_link};
 use crate::model::project_file::ProjectFile;
 use crate::model::units::ShownUnit;
-use crate::ui::studio::Studio;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use greenstick::formats::LengthUnit;
 use helper::Helper;
 use js_sys::Array;
 use news::{Inbox, JsFile, News, Wake};
 use std::collections::VecDeque;
-use std::rc::Rc;
 use std::time::Duration;
 
 /// How long the work on a picture goes on after another was asked for. Then its worker is ended: a new one begins by finding the stem
 /// again, which an answer that is nearly there does not.
 const PATIENCE: Duration = Duration::from_millis(1500);
-
-/// What stands on the page when nothing is drawn any more.
-const STOPPED: &str = "The studio has stopped, most often because the graphics card was taken from it. Load the page again: its \
-                       address holds what was being made. What happened is in the browser's console.";
 
 /// What the second helper does.
 enum Filing {
@@ -68,44 +63,8 @@ pub fn begin() {
     if let Ok(scope) = js_sys::global().dyn_into::<web_sys::DedicatedWorkerGlobalScope>() {
         serve::serve(&scope);
     } else {
-        wasm_bindgen_futures::spawn_local(open_page());
+        wasm_bindgen_futures::spawn_local(page::begin(|wake| Box::new(Web::new(wake))));
     }
-}
-
-async fn open_page() {
-    let Some(canvas) = browser::canvas() else {
-        return;
-    };
-    let create: eframe::AppCreator = Box::new(|creation| {
-        let ctx = creation.egui_ctx.clone();
-        let wake = Rc::new(move || ctx.request_repaint());
-        let mut studio = Studio::new(&creation.egui_ctx, Box::new(Web::new(wake)), None);
-        if let Some(state) = &creation.wgpu_render_state {
-            studio.use_card(&creation.egui_ctx, state);
-        }
-        Ok(Box::new(studio))
-    });
-    let runner = eframe::WebRunner::new();
-    say_faults();
-    let problem = runner
-        .start(canvas, eframe::WebOptions::default(), create)
-        .await;
-    let problem = problem.err().map(|e| {
-        format!(
-            "This browser draws neither by WebGPU nor by WebGL 2, or has them switched off ({e:?})."
-        )
-    });
-    browser::focus();
-    browser::say(problem.as_deref());
-}
-
-/// Tells of faults on the page itself, too, and not in the browser's console alone: nothing is drawn any more after one.
-fn say_faults() {
-    let console = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |fault| {
-        browser::say(Some(STOPPED));
-        console(fault);
-    }));
 }
 
 impl Web {
@@ -453,7 +412,7 @@ impl Platform for Web {
     fn note_recent(&mut self, _: &str) {}
 
     fn tell_card_lost(&mut self) {
-        browser::say(Some(STOPPED));
+        page::begin_again();
     }
 
     fn keep(&mut self, project: Option<&ProjectFile>) {
