@@ -193,7 +193,8 @@ impl Run {
         }
         let limit = OFF * self.wood.stem.radius;
         let (mut off, mut all) = (0.0, 0.0);
-        for (piece, node) in film.pieces.iter().zip(nodes) {
+        let shown_nodes = film.pieces.iter().zip(nodes);
+        for (piece, node) in shown_nodes.filter(|(piece, _)| !piece.is_detail) {
             let mesh = &piece.mesh;
             let areas = vertex_areas(mesh);
             for i in (0..areas.len()).step_by(areas.len().div_ceil(MAX_SAMPLES).max(1)) {
