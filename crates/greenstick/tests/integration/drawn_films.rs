@@ -192,6 +192,17 @@ fn skin_that_is_not_where_its_rods_are_is_noticed_and_close_ups_show_the_break()
     }
     let share = |scene: &Scene| run.misplaced_share(&film.skinned.film, &start, &scene.nodes);
     assert_eq!((share(&at_rest), share(&moved)), (0.0, 1.0));
+    // What the rods do not fill, as the rest of a tree, is not asked after.
+    let far = [DVec3::Y, DVec3::Y + DVec3::X, DVec3::Y + DVec3::Z];
+    let mut with_more = at_rest.clone();
+    let shown = Arc::make_mut(&mut with_more.nodes[0].mesh);
+    shown.positions.extend(far.map(|p| p + DVec3::X));
+    let mesh = &mut film.skinned.film.pieces[0].mesh;
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend(far);
+    mesh.triangles.push([first, first + 1, first + 2]);
+    let share = run.misplaced_share(&film.skinned.film, &start, &with_more.nodes);
+    assert_eq!(share, 0.0);
     // A close-up of three diameters of 1 cm about the break.
     let inner = film.broken.woods[0].material;
     let near = close_up(&at_rest, &[inner], 3.0).unwrap();
