@@ -9,13 +9,16 @@ use crate::progress::{Progress, StageTime};
 use crate::skin::{self, NamedMesh};
 use greenstick::fibre::scene::StemChoice;
 use greenstick::files::run::Origin;
-use greenstick::geometry::{Context, Provenance};
+use greenstick::fracture::recipe::apply_setting;
+use greenstick::geometry::{Context, Node, Provenance, Scene, Stage};
+use greenstick::picture::{Picture, PictureError, PictureOptions};
 use greenstick::simulated_faces::{
     PartlyBroken, SimulatedFaceReport, SimulatedFaces, SimulatedFacesError, simulated_faces,
 };
-use greenstick::skin::film::Run;
-use greenstick::{BreakReport, Broken};
+use greenstick::skin::film::{FilmError, FilmOptions, Run};
+use greenstick::{BreakReport, Broken, picture_of_break, picture_of_moved_break};
 use serde::Serialize;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -42,7 +45,7 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
     targets.check(&inputs)?;
     let named = request.input.clone().map(|path| (path, request.file.unit));
     let mesh = named.or(Origin::read(folder).map_err(Failure::request)?.input_file());
-    let run = skin::open(folder, mesh.clone(), targets.pieces.as_deref(), &read)?;
+    let mut run = skin::open(folder, mesh.clone(), targets.pieces.as_deref(), &read)?;
     if let Some(input) = &request.input
         && run.scene.stem.kind != StemChoice::Input
     {
@@ -54,17 +57,17 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
         .hint("leave the mesh out, or simulate the scene on it: greenstick simulate SCENE MESH -o FOLDER"));
     }
     let number = skin::frame_number(&run, options.frame.unwrap_or(-1))?;
-    let (mut broken, faces) = draw(&run, number, options, &request, &work)?;
+    let mut made = draw(&mut run, number, options, &request, &work)?;
     let recipe = match &targets.recipe {
-        Some(path) => Some(recipe_of_faces(&request, &faces, mesh, path)?),
+        Some(path) => Some(recipe_of_faces(&request, &made.faces, mesh, path)?),
         None => None,
     };
     let provenance = provenance(&run, &request);
-    broken.scene.metadata = provenance.metadata();
+    made.broken.scene.metadata = provenance.metadata();
     let shot = request.file.picture.options();
     let outputs = targets.write(
-        (&broken.scene, request.file.unit),
-        |context| greenstick::picture_of_break(&broken, &shot, context),
+        (&made.broken.scene, request.file.unit),
+        |context| made.picture(&shot, context),
         recipe,
         &inputs,
         &write,
@@ -72,8 +75,8 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
     let stages = progress.finish();
     if options.reporting.prints_report() {
         let full = FullReport {
-            report: &broken.report,
-            simulated: &faces.reports,
+            report: &made.broken.report,
+            simulated: &made.faces.reports,
             outputs: &written(&outputs),
             provenance: &provenance,
             stages: &stages,
@@ -83,35 +86,118 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Cuts the mesh of a run along the faces that a frame of it decided.
+/// What a frame of a run left of the mesh.
+pub struct Drawn {
+    /// The pieces: moved apart, or where the frame has them if the wood holds.
+    pub broken: Broken,
+    /// The faces.
+    pub faces: SimulatedFaces,
+    /// The frame as a film shows it, if the wood holds.
+    held: Option<Scene>,
+}
+
+/// How many diameters of the stem a picture of wood that holds shows about the break.
+const HELD_CLOSE_UP: f64 = 8.0;
+
+impl Drawn {
+    /// Takes a picture of the pieces.
+    pub fn picture(
+        &self,
+        shot: &PictureOptions,
+        context: &Context,
+    ) -> Result<Picture, PictureError> {
+        let Some(frame) = &self.held else {
+            return picture_of_break(&self.broken, shot, context);
+        };
+        let mut shot = shot.clone();
+        if shot.zoom.is_none() {
+            shot.close_up.get_or_insert(HELD_CLOSE_UP);
+        }
+        picture_of_moved_break(frame, &self.broken.woods, &shot, context)
+    }
+}
+
+/// Cuts the mesh of a run along the faces that a frame of it decided. Wood that holds stays together at what is whole, as it is in
+/// that frame, unless its pieces are to be moved apart or to hang.
 pub fn draw(
-    run: &Run,
+    run: &mut Run,
     number: usize,
     options: &BreakOptions,
     request: &ResolvedRequest,
     context: &Context,
-) -> Result<(Broken, SimulatedFaces), DrawError> {
-    let [deciding, cutting] = context.split([
-        (greenstick::geometry::Stage::new("faces"), 1.0),
-        (greenstick::geometry::Stage::new("break"), 3.0),
-    ]);
-    let mut faces = simulated_faces(run, number, PartlyBroken::Separated, &deciding)?;
-    faces.request.texture_width = request.file.texture_width;
+) -> Result<Drawn, DrawError> {
+    let [deciding, cutting] =
+        context.split([(Stage::new("faces"), 1.0), (Stage::new("break"), 3.0)]);
     let common = &request.file.common;
+    let hang = common.recipe.face.hang;
+    let is_opened = common.separation > 0.0 || hang > 0.0;
+    let partly = match is_opened {
+        true => PartlyBroken::Separated,
+        false => PartlyBroken::Hinged,
+    };
+    let mut faces = simulated_faces(run, number, partly, &deciding)?;
+    faces.request.texture_width = request.file.texture_width;
     for one in &mut faces.request.breaks {
         (one.separation, one.part_clear) = (common.separation, common.part_clear);
         one.fray = common.fray;
-        one.recipe.face.hang = common.recipe.face.hang;
+        one.recipe.face.hang = hang;
+        for setting in &options.set {
+            apply_setting(one, setting)
+                .map_err(|e| DrawError::Other(Failure::request(format!("--set: {e}"))))?;
+        }
     }
-    for setting in &options.set {
-        faces
-            .apply_setting(setting)
-            .map_err(|e| DrawError::Other(Failure::request(format!("--set: {e}"))))?;
+    if !is_opened && faces.reports.iter().all(|face| !face.parted) {
+        return held(run, number, faces, &cutting);
     }
     let broken = faces
         .broken(&cutting)
         .map_err(|error| DrawError::Other(error.into()))?;
-    Ok((broken, faces))
+    Ok(Drawn {
+        broken,
+        faces,
+        held: None,
+    })
+}
+
+/// Cuts the mesh along faces that do not part it, and bends it as in frame `number`.
+fn held(
+    run: &mut Run,
+    number: usize,
+    mut faces: SimulatedFaces,
+    context: &Context,
+) -> Result<Drawn, DrawError> {
+    let options = FilmOptions {
+        bodies: false,
+        ..FilmOptions::default()
+    };
+    let mut film = faces.film(run, number..number + 1, &options, context)?;
+    let failed = |error: FilmError| SimulatedFacesError::Run(error.into());
+    let frame = film.skinned.at(0).map_err(failed)?;
+    let nodes = film.skinned.on_its_base(0, &run.film_from_stem());
+    let mut broken = film.broken;
+    place(&mut broken, nodes.map_err(failed)?);
+    broken.note(format!(
+        "the wood holds: it is bent as it is at {:.3} s, about what is whole; --part moves the pieces apart",
+        faces.observed.time
+    ));
+    Ok(Drawn {
+        broken,
+        faces,
+        held: Some(frame),
+    })
+}
+
+/// Puts the nodes of a broken scene where nodes of the same names are.
+fn place(broken: &mut Broken, nodes: Vec<Node>) {
+    let mut moved: BTreeMap<String, VecDeque<Node>> = BTreeMap::new();
+    for node in nodes {
+        moved.entry(node.name.clone()).or_default().push_back(node);
+    }
+    for node in &mut broken.scene.nodes {
+        if let Some(moved) = moved.get_mut(&node.name).and_then(VecDeque::pop_front) {
+            (node.mesh, node.transform) = (moved.mesh, moved.transform);
+        }
+    }
 }
 
 /// Returns the recipe at `path` that breaks `mesh`, which was simulated, along the same faces.

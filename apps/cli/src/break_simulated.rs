@@ -2,12 +2,13 @@
 
 use crate::arguments::{BreakOptions, FacesChoice};
 use crate::break_files::{Targets, format_end};
-use crate::break_run::{self, DrawError};
+use crate::break_run::{self, DrawError, Drawn};
 use crate::break_wood::{ResolvedRequest, file_name, resolve_request, use_threads};
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
 use crate::simulate;
+use greenstick::BreakReport;
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files;
 use greenstick::files::run::read_body_meshes;
@@ -19,9 +20,9 @@ use greenstick::simulate::{
     MemoryRun, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
     simulate as simulate_scene,
 };
-use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFaces};
+use greenstick::simulated_faces::SimulatedFaceReport;
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run, SkinReport, Still};
-use greenstick::{BreakReport, Broken, picture_of_break};
+use greenstick::skin::finish::Separation;
 use greenstick_sweep::Input;
 use greenstick_sweep::input::up_axis;
 use serde::Serialize;
@@ -58,28 +59,28 @@ enum PiecesReport<'a> {
 
 /// The pieces.
 enum Made {
-    Drawn(Box<(Broken, SimulatedFaces)>),
+    Drawn(Box<Drawn>),
     Rods(Box<Still>),
 }
 
 impl Made {
     fn scene(&self) -> &Scene {
         match self {
-            Made::Drawn(made) => &made.0.scene,
+            Made::Drawn(made) => &made.broken.scene,
             Made::Rods(still) => &still.scene,
         }
     }
 
     fn scene_mut(&mut self) -> &mut Scene {
         match self {
-            Made::Drawn(made) => &mut made.0.scene,
+            Made::Drawn(made) => &mut made.broken.scene,
             Made::Rods(still) => &mut still.scene,
         }
     }
 
     fn hangs_together(&self) -> bool {
         match self {
-            Made::Drawn(made) => made.1.reports.iter().any(|r| !r.parted),
+            Made::Drawn(made) => made.faces.reports.iter().any(|r| !r.parted),
             Made::Rods(still) => still.scene.nodes.iter().any(|n| n.name == "whole"),
         }
     }
@@ -87,8 +88,8 @@ impl Made {
     fn report(&self) -> PiecesReport<'_> {
         match self {
             Made::Drawn(made) => PiecesReport::Drawn {
-                report: &made.0.report,
-                simulated: &made.1.reports,
+                report: &made.broken.report,
+                simulated: &made.faces.reports,
             },
             Made::Rods(still) => PiecesReport::Rods(&still.report),
         }
@@ -101,7 +102,7 @@ impl Made {
         context: &Context,
     ) -> Result<Picture, PictureError> {
         match self {
-            Made::Drawn(made) => picture_of_break(&made.0, shot, context),
+            Made::Drawn(made) => made.picture(shot, context),
             Made::Rods(still) => picture_of_run(run, &still.scene, still.inner, shot, context),
         }
     }
@@ -131,7 +132,9 @@ fn rods(run: &mut Run, request: &ResolvedRequest, context: &Context) -> Result<M
     };
     let last = run.frames() - 1;
     let mut still = run.at_rest(last, &how, context).map_err(Failure::from)?;
-    part(&mut still, run, request.file.common.separation);
+    let common = &request.file.common;
+    let by = Separation::new(common.separation, common.part_clear);
+    run.part(&mut still, last, by).map_err(Failure::from)?;
     Ok(Made::Rods(Box::new(still)))
 }
 
@@ -281,19 +284,6 @@ fn simulate_in_memory(
     let opening = context.part(SIMULATED, 1.0);
     let run = open_run(Arc::new(store), &request.meshes, &opening).map_err(Failure::from)?;
     Ok((report, run))
-}
-
-/// Moves what lies beyond the break apart from the lower piece, with all that it carries.
-fn part(still: &mut Still, run: &Run, by: f64) {
-    let stem = run.stem();
-    let along = stem.grain.axis().frame(stem.location).tangent;
-    let nodes = &mut still.scene.nodes;
-    let upper = nodes.iter().position(|n| n.name == "upper");
-    for (number, node) in nodes.iter_mut().enumerate() {
-        if upper.is_some_and(|u| u == number || node.parent == Some(u)) {
-            node.transform.translation += along * by;
-        }
-    }
 }
 
 /// Formats the report.

@@ -164,6 +164,8 @@ pub struct SkinnedMesh {
     pub binding: Binding,
     /// What vertices follow before changes.
     pub earlier: EarlierBindings,
+    /// Whether it only adds to the looks of another piece and encloses none of its wood ([`Node::is_detail`]).
+    pub is_detail: bool,
     /// Further properties by name.
     pub extras: BTreeMap<String, Extra>,
 }

@@ -1,15 +1,13 @@
 //! Faces that a run decided, cut into the mesh that was simulated.
 //!
-//! [`simulated_faces`] reads where and how a run parted its wood, and returns the request that breaks the run's input there,
-//! which a [`BreakSession`] takes like any other. The algorithm is that of
-//! [`greenstick_skin::simulated`]; here it meets the run and the chain that draws a break.
+//! [`simulated_faces`] reads where and how a run parted its wood ([`greenstick_skin::simulated`]), and returns the request that
+//! breaks the run's input there, which a [`BreakSession`] takes like any other.
 
 use crate::film::FilmError;
 use crate::{Break, BreakRequest, BreakSession, Broken, Error};
 use greenstick_fibre::scene::Scene as Setting;
 use greenstick_fracture::height_grid::HeightGrid;
 use greenstick_fracture::heights::HeightFieldError;
-use greenstick_fracture::recipe::{RecipeError, apply_setting};
 use greenstick_geometry::{Cancelled, Context, ErrorKind, Scene};
 use greenstick_skin::film::Run;
 use greenstick_skin::rods::Wood;
@@ -77,6 +75,8 @@ pub struct SimulatedFaces {
     pub reports: Vec<SimulatedFaceReport>,
     /// The fractures, in the same order.
     pub fractures: Vec<SimulatedFracture>,
+    /// The frame that decided them.
+    pub observed: ObservedRun,
 }
 
 impl SimulatedFaces {
@@ -86,15 +86,6 @@ impl SimulatedFaces {
     /// As [`BreakSession::broken`].
     pub fn broken(&mut self, context: &Context) -> Result<Broken, Error> {
         self.session.broken(&self.request, context)
-    }
-
-    /// Applies a setting of a recipe, `key=value`, to all breaks.
-    ///
-    /// # Errors
-    /// What is wrong with the setting.
-    pub fn apply_setting(&mut self, setting: &str) -> Result<(), RecipeError> {
-        let mut breaks = self.request.breaks.iter_mut();
-        breaks.try_for_each(|one| apply_setting(one, setting))
     }
 }
 
@@ -111,21 +102,20 @@ pub fn simulated_faces(
     context.report(0.0)?;
     let observed = run.observed(number).map_err(FilmError::from)?;
     let source = (run.input(), &run.scene);
-    faces_of_wood((&run.wood(), &observed), source, partly, context)
+    faces_of_wood((&run.wood(), observed), source, partly, context)
 }
 
-/// Returns the faces of `wood` with these breaks, from the base of its stem to its tip. `input` is the scene that the stem
-/// was found in, `setting` the scene that was simulated.
+/// Returns the faces of `wood` with these breaks. `input` is the scene that its stem is of, `setting` the one that was simulated.
 ///
 /// # Errors
 /// [`SimulatedFacesError`].
 pub fn faces_of_wood(
-    (wood, observed): (&Wood, &ObservedRun),
+    (wood, observed): (&Wood, ObservedRun),
     (input, setting): (&Scene, &Setting),
     partly: PartlyBroken,
     context: &Context,
 ) -> Result<SimulatedFaces, SimulatedFacesError> {
-    let fractures = SimulatedFracture::find_drawable(wood, observed, partly)?;
+    let fractures = SimulatedFracture::find_drawable(wood, &observed, partly)?;
     let by_point = matches!(setting.stem.at, StemLocation::Point(_));
     let mut request = BreakRequest {
         stem: StemOptions {
@@ -158,7 +148,7 @@ pub fn faces_of_wood(
             .sound;
         let to_grain = |p| stem.layers.to_grain(p);
         let found = &stem.found.stem;
-        let face = fracture.face((wood, observed), &place, found, &to_grain, setting.seed)?;
+        let face = fracture.face((wood, &observed), &place, found, &to_grain, setting.seed)?;
         one.recipe.face = face.parameters;
         one.heights = HeightGrid::from(&face.field);
         request.breaks.push(one);
@@ -169,6 +159,7 @@ pub fn faces_of_wood(
         request,
         reports,
         fractures,
+        observed,
     })
 }
 

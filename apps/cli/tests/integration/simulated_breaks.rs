@@ -130,6 +130,80 @@ fn wood_that_does_not_part_is_one_piece_and_said_to_be() {
     assert!(both.err.contains("makes a stem of its own"), "{}", both.err);
 }
 
+/// A stick whose ends are turned until one side of it tears.
+const BEND: &str = "duration = 0.02\nframes_per_second = 500.0\n\
+[stem]\nkind = \"cylinder\"\nlength = \"6 cm\"\ndiameter = \"6 mm\"\n\
+[wood]\nstiffness = 0.002\n[rods]\nnumber = 24\nedge = [\"2 mm\", \"3 mm\"]\ntwist = \"off\"\n\
+[[clamp]]\nto = 0.1\narc = true\n\
+[[clamp.key]]\ntime = 0.0\n[[clamp.key]]\ntime = 0.02\nturn = [0.0, 10.0, 0.0]\n\
+[[clamp]]\nfrom = 0.9\nto = 1.0\narc = true\n\
+[[clamp.key]]\ntime = 0.0\n[[clamp.key]]\ntime = 0.02\nturn = [0.0, -10.0, 0.0]\n";
+
+/// The lowest and the highest corner of a mesh in a GLB file.
+fn bounds(glb: &[u8], name: &str) -> [Vec<f64>; 2] {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let json: serde_json::Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    let meshes = json["meshes"].as_array().unwrap();
+    let mesh = meshes.iter().find(|m| m["name"] == name).unwrap();
+    let primitives = mesh["primitives"].as_array().unwrap();
+    let corner = |key: &str, pick: fn(f64, f64) -> f64| {
+        let of = |p: &serde_json::Value| -> Vec<f64> {
+            let at = p["attributes"]["POSITION"].as_u64().unwrap() as usize;
+            serde_json::from_value(json["accessors"][at][key].clone()).unwrap()
+        };
+        let all = primitives.iter().map(of);
+        all.reduce(|a, b| a.iter().zip(b).map(|(&a, b)| pick(a, b)).collect())
+            .unwrap()
+    };
+    [corner("min", f64::min), corner("max", f64::max)]
+}
+
+#[test]
+fn wood_that_tears_on_one_side_stays_bent_about_the_other() {
+    let folder = Folder::new();
+    folder.write("bend.toml", BEND);
+    let run = folder.run(&["simulate", "bend.toml", "-o", "run", "--no-pictures"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let held = folder.quick(&["--from-run", "run", "-o", "held.glb", "--json"]);
+    assert_eq!(held.code, 0, "{}{}", held.out, held.err);
+    let told: serde_json::Value = serde_json::from_str(&held.out).unwrap();
+    let face = &told["simulated"][0];
+    assert!(face["parted"] == false, "{told}");
+    let whole = face["unbroken_share"].as_f64().unwrap();
+    assert!((0.1..0.9).contains(&whole), "{told}");
+    // In memory the same.
+    let again = folder.quick(&["--simulate", "bend.toml", "-o", "again.glb", "--json"]);
+    assert_eq!(again.code, 0, "{}{}", again.out, again.err);
+    assert!(binary(&folder.read("held.glb")) == binary(&folder.read("again.glb")));
+    assert!(again.out.contains("\"hangs_together\": true"));
+    // The base stays where it was at rest.
+    let (held, rest) = (folder.read("held.glb"), "rest.glb");
+    let apart = folder.quick(&["--from-run", "run", "--part", "1mm", "-o", rest, "--json"]);
+    assert!(!apart.out.contains("the wood holds"), "{}", apart.out);
+    let rest = folder.read(rest);
+    let [low, high] = bounds(&rest, "lower");
+    let [held_low, held_high] = bounds(&held, "lower");
+    let along = (0..3)
+        .max_by(|&a, &b| (high[a] - low[a]).total_cmp(&(high[b] - low[b])))
+        .unwrap();
+    let off = f64::min(
+        (held_low[along] - low[along]).abs(),
+        (held_high[along] - high[along]).abs(),
+    );
+    assert!(off < 2e-4, "{off}");
+    // Its middle lies aside by as much as an arc of 48 mm leaves its tangent.
+    let middle = |[low, high]: [Vec<f64>; 2]| {
+        let across = (0..3).filter(|&k| k != along);
+        across
+            .map(|k| (0.5 * (low[k] + high[k])).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    };
+    assert!(middle(bounds(&rest, "upper")) < 1e-3);
+    let aside = middle(bounds(&held, "upper"));
+    assert!((7e-3..10e-3).contains(&aside), "{aside}");
+}
+
 #[test]
 fn a_mesh_breaks_where_at_says_and_keeps_its_other_parts() {
     let folder = Folder::new();

@@ -94,7 +94,9 @@ fn a_frame_is_closed_pieces_and_simulating_into_a_film_does_both() {
         let mut meshes = 0;
         for mesh in checked[0]["meshes"].as_array().unwrap() {
             assert!(mesh["closed"] == true && mesh["oriented"] == true, "{mesh}");
-            meshes += 1;
+            // Strands of torn fibre are no pieces.
+            let is_detail = mesh["name"].as_str().unwrap().ends_with("_fuzz");
+            meshes += usize::from(!is_detail);
         }
         assert_eq!(meshes, told["pieces"].as_array().unwrap().len() + 1);
     }

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::pictures::picture_of_moved_break;
 use crate::session::Broken;
 use crate::simulated_faces::{
-    PartlyBroken, SimulatedFaceReport, SimulatedFacesError, faces_of_wood,
+    PartlyBroken, SimulatedFaceReport, SimulatedFaces, SimulatedFacesError, simulated_faces,
 };
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_picture::{Picture, PictureError, PictureOptions};
@@ -22,8 +22,7 @@ pub struct DrawnFilm {
     pub reports: Vec<SimulatedFaceReport>,
 }
 
-/// Returns all frames of a range as a film of the faces that the last frame of the run decided, so that any range shows the same
-/// pieces. Of the options the width of the textures and bodies count.
+/// Returns all frames of a range as a film of the faces that the run's last frame decided. Of the options texture width and bodies count.
 ///
 /// # Errors
 /// [`SimulatedFacesError`].
@@ -33,42 +32,53 @@ pub fn film_of_faces(
     options: &FilmOptions,
     context: &Context,
 ) -> Result<DrawnFilm, SimulatedFacesError> {
-    let [deciding, cutting, moving] = context.split([
-        (Stage::new("faces"), 1.0),
-        (Stage::new("break"), 2.0),
-        (Stage::new("skin"), 2.0),
-    ]);
+    let [deciding, making] = context.split([(Stage::new("faces"), 1.0), (Stage::new("film"), 4.0)]);
     let last = run.frames().saturating_sub(1);
-    let observed = run.observed(last).map_err(FilmError::from)?;
-    let source = (run.input(), &run.scene);
-    let wood = (&run.wood(), &observed);
-    let mut faces = faces_of_wood(wood, source, PartlyBroken::Hinged, &deciding)?;
+    let mut faces = simulated_faces(run, last, PartlyBroken::Hinged, &deciding)?;
     faces.request.texture_width = options.texture_width;
-    for one in &mut faces.request.breaks {
-        // Pieces are where they were before anything moved.
-        (one.separation, one.fray, one.recipe.face.fuzz) = (0.0, 0.0, 0.0);
-        let face = &mut one.recipe.face;
-        (face.hang, face.splinter_lean, face.splinter_snap) = (0.0, Some(0.0), Some(0.0));
+    faces.film(run, range, options, &making)
+}
+
+impl SimulatedFaces {
+    /// Returns all frames of a range of the run as a film of the faces. Of the options only bodies count.
+    ///
+    /// # Errors
+    /// [`SimulatedFacesError`].
+    pub fn film(
+        &mut self,
+        run: &mut Run,
+        range: Range<usize>,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<DrawnFilm, SimulatedFacesError> {
+        let [cutting, moving] =
+            context.split([(Stage::new("break"), 1.0), (Stage::new("skin"), 1.0)]);
+        for one in &mut self.request.breaks {
+            // Pieces are where they were before anything moved.
+            (one.separation, one.fray) = (0.0, 0.0);
+            let face = &mut one.recipe.face;
+            (face.hang, face.splinter_lean, face.splinter_snap) = (0.0, Some(0.0), Some(0.0));
+        }
+        let broken = self.broken(&cutting).map_err(|error| match error {
+            Error::Cancelled(cancelled) => SimulatedFacesError::Cancelled(cancelled),
+            error => SimulatedFacesError::Cut(Box::new(error)),
+        })?;
+        let drawn = DrawnScene {
+            scene: &broken.scene,
+            roles: &broken.roles,
+            inner: broken.woods.first().map_or(0, |wood| wood.material),
+            fractures: &self.fractures,
+            observed: &self.observed,
+        };
+        let skinned = run
+            .film_of_faces(range, &drawn, options, &moving)
+            .map_err(FilmError::from)?;
+        Ok(DrawnFilm {
+            skinned,
+            broken,
+            reports: self.reports.clone(),
+        })
     }
-    let broken = faces.broken(&cutting).map_err(|error| match error {
-        Error::Cancelled(cancelled) => SimulatedFacesError::Cancelled(cancelled),
-        error => SimulatedFacesError::Cut(Box::new(error)),
-    })?;
-    let drawn = DrawnScene {
-        scene: &broken.scene,
-        roles: &broken.roles,
-        inner: broken.woods.first().map_or(0, |wood| wood.material),
-        fractures: &faces.fractures,
-        observed: &observed,
-    };
-    let skinned = run
-        .film_of_faces(range, &drawn, options, &moving)
-        .map_err(FilmError::from)?;
-    Ok(DrawnFilm {
-        skinned,
-        broken,
-        reports: faces.reports,
-    })
 }
 
 impl DrawnFilm {

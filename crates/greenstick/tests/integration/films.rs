@@ -240,7 +240,11 @@ fn a_film_of_drawn_faces_has_all_of_the_input_and_moves_it_with_what_it_hangs_on
     let rest = |name: &str| (*piece(&film, name).1).clone();
     let now = |name: &str| moved.nodes.iter().find(|n| n.name == name).unwrap();
     let trunk = trunk();
-    let pieces = film.film.pieces.iter().filter(|p| p.name != "leaf");
+    let pieces = film
+        .film
+        .pieces
+        .iter()
+        .filter(|p| !p.is_detail && p.name != "leaf");
     let volume: f64 = pieces.map(|p| p.mesh.volume()).sum();
     assert!((volume / trunk.volume() - 1.0).abs() < 1e-6, "{volume}");
     // The side branch grows where the clamp holds the trunk: it stays.

@@ -139,7 +139,7 @@ fn faces(
     let mut setting = Setting::built_in("bend").unwrap();
     setting.wood.species = "Oak, white".into();
     faces_of_wood(
-        (&wood, &observed),
+        (&wood, observed),
         (&grown.scene, &setting),
         PartlyBroken::Separated,
         &Context::quiet(),

@@ -2,7 +2,7 @@
 
 use glam::DAffine3;
 use greenstick_geometry::{
-    Cancelled, Context, ConvexOptions, ConvexParts, Film, Node, Scene, convex_parts,
+    Cancelled, Context, ConvexOptions, ConvexParts, Film, Node, Scene, SkinnedMesh, convex_parts,
 };
 use rayon::prelude::*;
 use serde::Serialize;
@@ -42,12 +42,13 @@ pub fn collision(
     context: &Context,
 ) -> Result<Collision, Cancelled> {
     context.report(0.0)?;
-    let made: Vec<ConvexParts> = (film.pieces.par_iter())
+    let solids: Vec<&SkinnedMesh> = film.pieces.iter().filter(|p| !p.is_detail).collect();
+    let made: Vec<ConvexParts> = (solids.par_iter())
         .map(|piece| convex_parts(&piece.mesh, options, &context.silenced()))
         .collect::<Result<_, _>>()?;
     let mut scene = Scene::default();
     let mut pieces = Vec::with_capacity(made.len());
-    for (piece, parts) in film.pieces.iter().zip(made) {
+    for (piece, parts) in solids.into_iter().zip(made) {
         let corners = parts.shapes.iter().map(|s| s.positions.len());
         pieces.push(CollisionPiece {
             name: piece.name.clone(),

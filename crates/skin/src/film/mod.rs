@@ -21,6 +21,7 @@ mod motion;
 mod nearby_rods;
 mod options;
 mod parameters;
+mod part_still;
 mod poses;
 mod report;
 mod rest;

@@ -183,7 +183,8 @@ impl Run {
     }
 
     /// Returns which share of the surface of the pieces, the first of `nodes`, is not where the rods are in the frame that `nodes`
-    /// show: what is split lengthwise without a face between. It is that of some vertices, evenly chosen.
+    /// show: what is split lengthwise without a face between. It is that of some vertices, evenly chosen, of the wood that the rods
+    /// fill: the rest of a tree goes with it as a whole.
     pub fn misplaced_share(&self, film: &Film, frame: &Frame, nodes: &[Node]) -> f64 {
         let grid = RestGrid::new(self);
         let up = upright_rotation();
@@ -192,13 +193,20 @@ impl Run {
             shown[origin as usize].push(up * DVec3::from_array(place.map(f64::from)));
         }
         let limit = OFF * self.wood.stem.radius;
+        // The skin of the rods is no farther from their vertices; beyond are other limbs of a tree.
+        let beside = 0.5 * grid.cell + grid.spacing;
         let (mut off, mut all) = (0.0, 0.0);
-        for (piece, node) in film.pieces.iter().zip(nodes) {
+        let shown_nodes = film.pieces.iter().zip(nodes);
+        for (piece, node) in shown_nodes.filter(|(piece, _)| !piece.is_detail) {
             let mesh = &piece.mesh;
             let areas = vertex_areas(mesh);
             for i in (0..areas.len()).step_by(areas.len().div_ceil(MAX_SAMPLES).max(1)) {
                 let (at_rest, now) = (mesh.positions[i], node.mesh.positions[i]);
                 let near = grid.near(at_rest);
+                let nearest = grid.vertices[near[0].0 as usize].0;
+                if at_rest.distance(nearest) > beside {
+                    continue;
+                }
                 let is_placed = near.iter().any(|&(v, weight)| {
                     let before = at_rest.distance(grid.vertices[v as usize].0);
                     let shown = &shown[v as usize];

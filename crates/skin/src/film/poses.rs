@@ -50,7 +50,10 @@ pub(super) fn posed_pieces(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Nod
                 .flat_map(|n| n.as_vec3().to_array())
                 .collect();
         }
-        Node::new(piece.name.clone(), DAffine3::IDENTITY, mesh)
+        Node {
+            is_detail: piece.is_detail,
+            ..Node::new(piece.name.clone(), DAffine3::IDENTITY, mesh)
+        }
     };
     film.pieces.iter().enumerate().map(piece).collect()
 }

@@ -89,6 +89,9 @@ pub struct SkinReport {
     /// Why rods are shown where drawn faces would have been the choice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rods_because: Option<String>,
+    /// How far pieces at rest were moved apart, where that is not as far as was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub parting: Option<String>,
     /// The pieces, the one with the most wood first.
     pub pieces: Vec<FilmPiece>,
     /// What the rods do not fill, where it is carried along.
@@ -146,6 +149,7 @@ impl SkinReport {
             gape: None,
             misplaced_share: None,
             rods_because: None,
+            parting: None,
             pieces,
             rest: RestReport::default(),
         }
@@ -187,6 +191,9 @@ impl fmt::Display for SkinReport {
         }
         if let Some(reason) = &self.rods_because {
             writeln!(f, "note     shown by its rods: {reason}")?;
+        }
+        if let Some(note) = &self.parting {
+            writeln!(f, "note     {note}")?;
         }
         for piece in self.pieces.iter().take(MAX_LISTED_PIECES) {
             writeln!(

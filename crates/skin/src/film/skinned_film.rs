@@ -4,7 +4,7 @@ use super::error::FilmError;
 use super::motion::RunMotion;
 use super::poses::{corners, posed_pieces};
 use super::report::SkinReport;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Film, Motion, Node, Pose, RigidBody, Scene};
 
 /// A film with skin.
@@ -43,6 +43,33 @@ impl SkinnedFilm {
             images: film.images.clone(),
             ..Scene::default()
         })
+    }
+
+    /// Returns a frame in the coordinates of the mesh that was simulated, from which `film_from_stem` leads to those of the film, with
+    /// the base of the stem where it was at rest. The first piece of the film is that at the base.
+    ///
+    /// # Errors
+    /// [`FilmError`] where the frame cannot be read.
+    pub fn on_its_base(
+        &mut self,
+        number: usize,
+        film_from_stem: &DAffine3,
+    ) -> Result<Vec<Node>, FilmError> {
+        let mut poses = vec![Pose::IDENTITY; self.film.joints.len()];
+        self.motion.poses(number, &mut poses)?;
+        let base = self.film.pieces.first();
+        let base = base.and_then(|piece| piece.binding.used_joints().first().copied());
+        let moved = base.map_or(DAffine3::IDENTITY, |joint| {
+            let joint = joint as usize;
+            poses[joint].affine() * self.film.joints[joint].rest.inverse()
+        });
+        let back = (moved * *film_from_stem).inverse();
+        let mut nodes = self.at(number)?.nodes;
+        for node in &mut nodes {
+            let mesh = node.mesh.transformed(&(back * node.transform));
+            (node.mesh, node.transform) = (mesh.into(), DAffine3::IDENTITY);
+        }
+        Ok(nodes)
     }
 
     /// Returns the corners of the box about all joints and rigid pieces in all frames, m.

@@ -9,12 +9,15 @@ mod piece;
 mod pieces;
 mod report;
 mod scene;
+mod way;
 
 pub use broken_wood::BrokenWood;
 pub use budget::{added_triangles, within_budget};
 pub use finished_break::FinishedBreak;
+pub(crate) use parting::Parted;
 pub use parting::Separation;
 pub use piece::{Piece, PieceRole, Pieces};
 pub use pieces::{FinishOptions, finish};
 pub use report::{BreakInput, break_notes, break_report};
 pub use scene::{AssembledBreaks, NodeRole, assemble, left_at_base};
+pub(crate) use way::{Half, Way};

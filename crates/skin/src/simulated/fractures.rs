@@ -77,7 +77,7 @@ impl SimulatedFracture {
     }
 
     /// The lengths along the axis between which rods broke in it, m.
-    fn range(&self) -> LengthRange {
+    pub(crate) fn range(&self) -> LengthRange {
         let lengths = || self.broken().map(|b| b.along);
         LengthRange {
             low: lengths().fold(f64::INFINITY, f64::min),

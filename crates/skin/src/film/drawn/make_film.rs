@@ -48,6 +48,8 @@ pub struct DrawnScene<'a> {
 enum Part {
     /// The piece of this number, from the base of the stem.
     Piece(usize),
+    /// Strands of torn fibre on that piece.
+    Strands(usize),
     /// Moves with that piece.
     With(usize),
     /// Moves with whatever is nearest, if anything is near.
@@ -60,14 +62,17 @@ impl DrawnScene<'_> {
             NodeRole::Piece(PieceRole::Lower) => Part::Piece(0),
             NodeRole::Piece(PieceRole::Upper) => Part::Piece(1),
             NodeRole::Piece(PieceRole::Segment(number)) => Part::Piece(number),
-            NodeRole::Fuzz(_) | NodeRole::Carried => match self.scene.nodes[node].parent {
-                Some(parent) => match self.part(parent) {
-                    Part::Piece(piece) | Part::With(piece) => Part::With(piece),
-                    Part::Nearest => Part::Nearest,
-                },
-                None => Part::Nearest,
-            },
+            NodeRole::Fuzz(_) => self.parent_piece(node).map_or(Part::Nearest, Part::Strands),
+            NodeRole::Carried => self.parent_piece(node).map_or(Part::Nearest, Part::With),
             NodeRole::Piece(PieceRole::Splinter(_)) | NodeRole::Untouched => Part::Nearest,
+        }
+    }
+
+    /// The piece that a node is below, if any.
+    fn parent_piece(&self, node: usize) -> Option<usize> {
+        match self.part(self.scene.nodes[node].parent?) {
+            Part::Piece(piece) | Part::Strands(piece) | Part::With(piece) => Some(piece),
+            Part::Nearest => None,
         }
     }
 
@@ -412,6 +417,17 @@ fn add_others(film: &mut Film, drawn: &DrawnScene, binder: &Binder, film_from_st
         let mesh = drawn.mesh(number);
         let joint = match drawn.part(number) {
             Part::Piece(_) => continue,
+            Part::Strands(piece) => {
+                let binding = binder.bind(piece, &mesh);
+                film.pieces.push(SkinnedMesh {
+                    name: node.name.clone(),
+                    mesh: mesh.transformed(film_from_stem),
+                    binding,
+                    is_detail: true,
+                    ..SkinnedMesh::default()
+                });
+                continue;
+            }
             Part::With(piece) => binder.joint_of(piece, &mesh).map(|j| j.0),
             Part::Nearest => {
                 let joint = binder.joint_of(binder.piece_near(&mesh), &mesh);
