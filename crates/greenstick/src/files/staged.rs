@@ -123,24 +123,3 @@ fn free_name<T>(target: &Path, make: impl Fn(&Path) -> io::Result<T>) -> io::Res
     }
     Err(last)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_name_that_cannot_be_taken_puts_the_others_back() {
-        let folder = std::env::temp_dir().join(format!("greenstick-staged-{}", std::process::id()));
-        fs::create_dir_all(&folder).unwrap();
-        let [old, new] = ["old", "new"].map(|name| folder.join(name));
-        fs::write(&old, "old").unwrap();
-        let mut staged = [&old, &new].map(|path| Staged::new(path, b"new").unwrap());
-        staged.iter_mut().for_each(|file| file.rename().unwrap());
-        assert_eq!(fs::read(&old).unwrap(), b"new");
-        staged.iter_mut().for_each(Staged::undo);
-        drop(staged);
-        assert_eq!(fs::read(&old).unwrap(), b"old");
-        assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
-        fs::remove_dir_all(&folder).unwrap();
-    }
-}

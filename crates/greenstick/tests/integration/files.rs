@@ -1,7 +1,9 @@
 //! Files: all of an output or none of it, and meshes with their companions.
 
 use greenstick::ErrorKind;
-use greenstick::files::{Output, carry_images, check_distinct, encode, load, read, write_all};
+use greenstick::files::{
+    Batch, Output, carry_images, check_distinct, encode, load, read, write_all,
+};
 use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Image, ImageSource, Scene};
 use std::fs;
@@ -57,6 +59,21 @@ fn all_files_are_written_or_none() {
     write_all(&outputs[..2]).unwrap();
     assert_eq!(folder.names(), ["a", "b", "folder"]);
     assert_eq!(fs::read(folder.0.join("b")).unwrap(), b"new");
+}
+
+#[test]
+fn a_name_that_cannot_be_taken_puts_the_others_back() {
+    let folder = Folder::new();
+    fs::write(folder.0.join("b"), "old").unwrap();
+    let mut batch = Batch::default();
+    for name in ["a", "b", "c"] {
+        batch.add(&folder.output(name, "new")).unwrap();
+    }
+    // While the others were written, somebody took the name of the one that is renamed last.
+    fs::create_dir_all(folder.0.join("a").join("taken")).unwrap();
+    assert!(batch.finish().is_err());
+    assert_eq!(folder.names(), ["a", "b"]);
+    assert_eq!(fs::read(folder.0.join("b")).unwrap(), b"old");
 }
 
 #[test]
