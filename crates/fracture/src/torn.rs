@@ -6,6 +6,7 @@
 //! stem's radius.
 
 mod bark;
+mod shards;
 
 use crate::ends::{EndNode, TornEnd, TornEnds};
 use crate::field::HeightField;
@@ -343,7 +344,9 @@ impl<'a> TornRelief<'a> {
             * end.cleft
             * relief
             * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
+        let shard = self.shard(key, i64::from(end.fork), middle, torn);
         let base = level
+            + shard.height
             + torn * (torn_height - cleft)
             + (1.0 - torn) * crushed
             + slant.dot(self.about_pivot(end, at))
@@ -358,7 +361,7 @@ impl<'a> TornRelief<'a> {
             },
             raggedness: fibre,
             middle,
-            slant: slant + tilt,
+            slant: slant + tilt + shard.slant,
             sliver: up * outline,
             fork: up * fork,
             slab: own_share * torn * relief * p.slab_height * shortened,
@@ -367,7 +370,7 @@ impl<'a> TornRelief<'a> {
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
             folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
             noisy: true,
-            blade: up * blade.min(3.0 * MAX_SLENDERNESS * width),
+            blade: up * blade.min(3.0 * MAX_SLENDERNESS * width) + shard.blade,
             bark: false,
         }
     }

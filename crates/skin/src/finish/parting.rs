@@ -157,11 +157,18 @@ impl<'a> Parting<'a> {
     }
 
     /// Returns the way of a break: that which is requested or, if they are to be clear, the shortest beyond it on which the pieces do
-    /// not lie in each other.
+    /// not lie in each other. A piece that hangs on stays where it is.
     pub fn way(&self, asked: Separation, pieces: [&Mesh; 2]) -> Parted {
-        // A piece that hangs on turns clear of the other.
-        let until_clear = asked.until_clear && self.stages.stem.face.hang == 0.0;
-        let asked = asked.way;
+        let Separation {
+            way: asked,
+            until_clear,
+        } = asked;
+        if self.stages.stem.face.hang > 0.0 {
+            return Parted {
+                way: 0.0,
+                note: (asked > 0.0).then_some(BreakNote::HangsOn { requested_m: asked }),
+            };
+        }
         if !until_clear || asked == 0.0 {
             return Parted {
                 way: asked,

@@ -99,7 +99,7 @@ const STREAKS_ACROSS: f64 = 0.5;
 /// How much less splits show across the grain, where a saw or a tear has filled them.
 const SPLIT_ACROSS: f64 = 0.65;
 /// Width of the cambium, a pale line between wood and bark, m, and how much it shows.
-const CAMBIUM_WIDTH: f64 = 0.28e-3;
+const CAMBIUM_WIDTH: f64 = 0.4e-3;
 const CAMBIUM_SHARE: f64 = 0.7;
 /// Cosines of the angle to the direction away from the pith between which a face begins to be one that bark came off.
 const PEELED: (f64, f64) = (0.15, 0.5);
@@ -130,8 +130,8 @@ impl WoodAppearance {
             latewood_color: srgb([182, 140, 96]),
             heartwood_color: srgb([209, 172, 129]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([150, 112, 82]),
-            cork_color: srgb([106, 80, 60]),
+            phloem_color: srgb([168, 116, 78]),
+            cork_color: srgb([88, 66, 50]),
             bark_color: None,
             bark_kind: None,
             latewood_contrast: 0.95,

@@ -1,0 +1,68 @@
+//! The ends of bundles where wood broke short or was crushed: they lean together in groups, some groups were pulled out of the other
+//! piece as stubs, and others left pits.
+
+use super::{TornRelief, heavy};
+use crate::height_model::purpose;
+use glam::DVec2;
+use greenstick_wood::noise;
+
+/// How many patches with rough ends follow each other over a radius, and how rough ends are between them.
+const PATCHES: f64 = 4.6;
+const LEAST_ROUGH: f64 = 0.3;
+/// Slopes of the ends of a group and of a bundle, height per radius, over the height of the relief of short ends.
+const GROUP_LEAN: f64 = 9.0;
+const OWN_LEAN: f64 = 9.0;
+/// Shares of the groups that stand out and that are sunk, how far at least and at most, and by how much their bundles differ,
+/// over the same.
+const STUBS: f64 = 0.1;
+const PITS: f64 = 0.1;
+const STUB_HEIGHT: (f64, f64) = (0.45, 1.5);
+const STUB_BUNDLES: f64 = 0.45;
+/// Height of the outlines of bundles' ends, over the same.
+const POINTS: f64 = 0.9;
+
+/// The short end of a bundle; heights are radii.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Shard {
+    /// How far it stands out.
+    pub height: f64,
+    /// Slope, height per radius.
+    pub slant: DVec2,
+    /// Height of the outline of its end.
+    pub blade: f64,
+}
+
+impl TornRelief<'_> {
+    /// Returns the short end of a bundle with a number, of a part of a sliver, where this much of the wood is torn rather than
+    /// crushed.
+    pub(super) fn shard(&self, key: i64, part: i64, middle: DVec2, torn: f64) -> Shard {
+        let p = self.model.p;
+        let relief = torn * self.brittle * p.step_height + (1.0 - torn) * p.compression_height;
+        if relief <= 0.0 {
+            return Shard::default();
+        }
+        let at = (middle - self.ends.pith) / self.model.site.radius;
+        let patch = noise::gradient_2d(self.model.seed(purpose::SHARD), at * PATCHES);
+        let rough = LEAST_ROUGH + (1.0 - LEAST_ROUGH) * noise::smoothstep(-0.15, 0.3, patch);
+        let relief = relief * rough;
+        let own = |k: i64| 2.0 * self.random(purpose::SHARD, key, k) - 1.0;
+        let group = |k: i64| 2.0 * self.random(purpose::SHARD, part, 100 + k) - 1.0;
+        let slant =
+            DVec2::new(group(0), group(1)) * GROUP_LEAN + DVec2::new(own(0), own(1)) * OWN_LEAN;
+        let kind = 0.5 + 0.5 * group(2);
+        let (least, most) = STUB_HEIGHT;
+        let stands = least + (most - least) * group(3).abs() + STUB_BUNDLES * own(2);
+        let height = if kind < STUBS {
+            stands
+        } else if kind > 1.0 - PITS {
+            -stands
+        } else {
+            0.0
+        };
+        Shard {
+            height: relief * height,
+            slant: slant * relief,
+            blade: relief * POINTS * heavy(0.5 + 0.5 * own(3)),
+        }
+    }
+}
