@@ -19,8 +19,8 @@ pub(crate) struct Ends {
 pub(crate) const SLIVERS: Ends = Ends {
     blunt: 0.1,
     oblique: 0.34,
-    shouldered: 0.2,
-    pointed: 0.2,
+    shouldered: 0.12,
+    pointed: 0.12,
 };
 /// The ends of single bundles: fibres that broke off beside each other.
 pub(crate) const BUNDLES: Ends = Ends {
@@ -150,7 +150,7 @@ mod tests {
         let (mut hollow, mut full) = (0, 0);
         for (i, outline) in (0..).zip(outlines(&SLIVERS)) {
             let kind = f64::from(i) / f64::from(KINDS);
-            let prongs = kind > 0.84;
+            let prongs = kind > 0.68;
             let steepest = outline
                 .windows(2)
                 .map(|w| (w[1] - w[0]).abs())

@@ -6,12 +6,14 @@ use crate::height_model::purpose;
 use glam::DVec2;
 use greenstick_wood::noise;
 
-/// How many patches with rough ends follow each other over a radius, and how rough ends are between them.
-const PATCHES: f64 = 4.6;
-const LEAST_ROUGH: f64 = 0.3;
+/// How many patches with rough ends follow each other over a radius, and how rough ends are between them where wood broke short
+/// and where it was crushed.
+const PATCHES: f64 = 3.6;
+const LEAST_ROUGH: f64 = 0.12;
+const LEAST_CRUSHED: f64 = 0.45;
 /// Slopes of the ends of a group and of a bundle, height per radius, over the height of the relief of short ends.
 const GROUP_LEAN: f64 = 9.0;
-const OWN_LEAN: f64 = 9.0;
+const OWN_LEAN: f64 = 7.0;
 /// Shares of the groups that stand out and that are sunk, how far at least and at most, and by how much their bundles differ,
 /// over the same.
 const STUBS: f64 = 0.1;
@@ -43,7 +45,8 @@ impl TornRelief<'_> {
         }
         let at = (middle - self.ends.pith) / self.model.site.radius;
         let patch = noise::gradient_2d(self.model.seed(purpose::SHARD), at * PATCHES);
-        let rough = LEAST_ROUGH + (1.0 - LEAST_ROUGH) * noise::smoothstep(-0.15, 0.3, patch);
+        let least = LEAST_CRUSHED + (LEAST_ROUGH - LEAST_CRUSHED) * torn;
+        let rough = least + (1.0 - least) * noise::smoothstep(-0.05, 0.3, patch);
         let relief = relief * rough;
         let own = |k: i64| 2.0 * self.random(purpose::SHARD, key, k) - 1.0;
         let group = |k: i64| 2.0 * self.random(purpose::SHARD, part, 100 + k) - 1.0;

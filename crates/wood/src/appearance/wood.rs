@@ -89,8 +89,9 @@ pub struct WoodAppearance {
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
-/// How much darker lines of latewood are on faces along the grain than across it, and how much higher they stand.
-const LINES_ALONG: f64 = 0.35;
+/// How much darker lines of latewood are than their colour, as their ridges catch the light, and how much higher they stand on faces
+/// along the grain than across it.
+const LATEWOOD_LINES: f64 = 1.35;
 const RIDGES_ALONG: f64 = 1.5;
 /// How much darker the gaps of hairline splits are: blue most, as light there went through wood.
 const SPLIT_DARKENING: DVec3 = DVec3::new(0.62, 0.70, 0.78);
@@ -130,7 +131,7 @@ impl WoodAppearance {
             latewood_color: srgb([182, 140, 96]),
             heartwood_color: srgb([209, 172, 129]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([168, 116, 78]),
+            phloem_color: srgb([160, 116, 80]),
             cork_color: srgb([88, 66, 50]),
             bark_color: None,
             bark_kind: None,
@@ -246,9 +247,7 @@ impl WoodAppearance {
         );
         let late = latewood.darkness;
         let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
-        // Across the grain latewood is as dark as it is; along it, its ridges stand in lines that catch the light.
-        let lines = 1.0 + LINES_ALONG * (1.0 - end);
-        color *= mix(DVec3::ONE, darker, late * lines).max(DVec3::splat(0.1));
+        color *= mix(DVec3::ONE, darker, late * LATEWOOD_LINES).max(DVec3::splat(0.1));
         color *= 1.0 - END_GRAIN_DARKENING * end * (1.0 - 0.25 * late);
         color *= DVec3::ONE - DVec3::new(0.50, 0.58, 0.66) * vessel;
         // Rays shine pale across the end and as brown flecks along it.
