@@ -350,4 +350,16 @@ mod tests {
             assert!(flat.count() > 100);
         }
     }
+
+    #[test]
+    fn few_regions_are_broad_and_many_are_small() {
+        for seed in 1..6 {
+            let parts = SectionPartition::new(&SectionSpan::WHOLE, 120, 4.0, seed);
+            let mut areas: Vec<f64> = parts.regions.iter().map(Region::area).collect();
+            areas.sort_unstable_by(f64::total_cmp);
+            let of = |part: f64| areas[(part * (areas.len() - 1) as f64) as usize];
+            assert!(of(0.95) > 6.0 * of(0.1), "{} {}", of(0.95), of(0.1));
+            assert!(of(0.95) > 2.5 * of(0.5), "{} {}", of(0.95), of(0.5));
+        }
+    }
 }

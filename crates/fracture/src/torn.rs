@@ -43,8 +43,8 @@ pub(crate) struct BundleHeight {
     plates: f64,
     /// Height of the folds of crushed wood.
     folds: f64,
-    /// Whether it has the noise of its nodes.
-    noisy: bool,
+    /// How much of the noise of its nodes it has.
+    noisy: f64,
     bark: bool,
 }
 
@@ -97,7 +97,11 @@ const LAYER_SHARE: f64 = 0.6;
 const FOLD_WIDTH: f64 = 0.17;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
 const FOLD_HEIGHT: f64 = 1.9;
-const CRUSHED_ROUGHNESS: f64 = 0.25;
+const CRUSHED_ROUGHNESS: f64 = 0.14;
+/// How much of the noise of torn wood crushed wood has, and how much of a fold's height a bundle has from its middle: fibres that
+/// broke beside each other are no rounded hill.
+const CRUSHED_NOISE: f64 = 0.25;
+const FOLD_STEPS: f64 = 0.3;
 /// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
 const CRUSHED_PARTS: f64 = 0.4;
 const CRUSHED_BUNDLES: f64 = 0.06;
@@ -219,7 +223,7 @@ impl<'a> TornRelief<'a> {
             rough: 0.0,
             plates: 0.0,
             folds: 0.0,
-            noisy: false,
+            noisy: 0.0,
             blade: if bundle.bark { 0.0 } else { fibre },
             bark: bundle.bark,
         }
@@ -369,7 +373,7 @@ impl<'a> TornRelief<'a> {
             rough: torn * p.step_height * (1.0 - PLATE_SMOOTHNESS * self.brittle)
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
             folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
-            noisy: true,
+            noisy: CRUSHED_NOISE + (1.0 - CRUSHED_NOISE) * torn,
             blade: up * blade.min(3.0 * MAX_SLENDERNESS * width) + shard.blade,
             bark: false,
         }
@@ -473,11 +477,7 @@ impl<'a> TornRelief<'a> {
         }
         let at = bundles.layout.nodes[node.node as usize];
         let slope = level.slant.dot(at - level.middle) / radius;
-        let noise = if level.noisy {
-            noises[node.node as usize]
-        } else {
-            0.0
-        };
+        let noise = level.noisy * noises[node.node as usize];
         let height = level.base
             + slope
             + noise
@@ -486,7 +486,7 @@ impl<'a> TornRelief<'a> {
             + level.slab * node.slab
             + level.rough * node.rough
             + level.plates * node.plate
-            + level.folds * self.fold(at, level.folds, node.rough);
+            + level.folds * self.fold(at.lerp(level.middle, FOLD_STEPS), level.folds, node.rough);
         if level.thorn > 0.0 {
             // A slender prism, and on it a pyramid that leans to one side.
             let shaft = self.model.p.thorn_shaft;

@@ -20,9 +20,9 @@ use greenstick_wood::tissue::Zone;
 use strand::{Root, Strand, StrandMesh};
 
 /// Strands on each square metre of torn side grain with a fuzz of 1, on wood of the reference radius.
-const DENSITY: f64 = 9e5;
+const DENSITY: f64 = 7.5e5;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1.
-const MAX_SHARE: f64 = 0.7;
+const MAX_SHARE: f64 = 0.6;
 /// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
 const MEAN_TRIANGLES: f64 = 12.5;
 /// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a

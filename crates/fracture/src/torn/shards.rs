@@ -10,15 +10,15 @@ use greenstick_wood::noise;
 /// and where it was crushed.
 const PATCHES: f64 = 3.6;
 const LEAST_ROUGH: f64 = 0.12;
-const LEAST_CRUSHED: f64 = 0.45;
+const LEAST_CRUSHED: f64 = 0.28;
 /// Slopes of the ends of a group and of a bundle, height per radius, over the height of the relief of short ends.
 const GROUP_LEAN: f64 = 9.0;
-const OWN_LEAN: f64 = 7.0;
+const OWN_LEAN: f64 = 5.5;
 /// Shares of the groups that stand out and that are sunk, how far at least and at most, and by how much their bundles differ,
 /// over the same.
 const STUBS: f64 = 0.1;
 const PITS: f64 = 0.1;
-const STUB_HEIGHT: (f64, f64) = (0.45, 1.5);
+const STUB_HEIGHT: (f64, f64) = (0.5, 2.0);
 const STUB_BUNDLES: f64 = 0.45;
 /// Height of the outlines of bundles' ends, over the same.
 const POINTS: f64 = 0.9;

@@ -196,8 +196,8 @@ impl Snaps {
 }
 
 /// Factor on the angle of one that crosses others, and the angle (rad) below which it stays straight.
-const LESS: f64 = 0.6;
-const LEAST_TURN: f64 = 0.15;
+const LESS: f64 = 0.5;
+const LEAST_TURN: f64 = 0.22;
 
 impl Snap {
     /// Turns a splinter with a section and a tip to the side with the most room, as far as there is some.

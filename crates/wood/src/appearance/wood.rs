@@ -104,6 +104,8 @@ const CAMBIUM_WIDTH: f64 = 0.4e-3;
 const CAMBIUM_SHARE: f64 = 0.7;
 /// Cosines of the angle to the direction away from the pith between which a face begins to be one that bark came off.
 const PEELED: (f64, f64) = (0.15, 0.5);
+/// Distances beyond the inner bark, in ring coordinates, between which such faces end.
+const OUTSIDE: (f64, f64) = (0.006, 0.016);
 /// Tones of slivers between which those begin that inner bark sticks to.
 const BAST: (f64, f64) = (0.42, 0.62);
 /// How much of the wood strings of inner bark hide: they are thin.
@@ -329,8 +331,11 @@ impl WoodAppearance {
         let wide = CAMBIUM_WIDTH.max(footprint);
         let pale = (1.0 - smoothstep(0.3 * wide, wide, from_cambium)) * CAMBIUM_WIDTH / wide;
         let cambium = self.sapwood_color.map(|c| (1.12 * c).min(1.0));
-        // Bark comes off at the cambium: a face that looks outwards is wood, on which strings of inner bark are left.
-        let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards) * (1.0 - surface.end);
+        // Bark comes off at the cambium: a face that looks outwards there is wood, on which strings of inner bark are left. Farther
+        // out it is the side of a plate of bark.
+        let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards)
+            * (1.0 - surface.end)
+            * (1.0 - smoothstep(self.cork + OUTSIDE.0, self.cork + OUTSIDE.1, rho));
         let strings = BAST_SHARE * smoothstep(BAST.0, BAST.1, surface.tone + 0.35 * ragged);
         let left = |edge: f64| if edge == self.phloem { strings } else { 0.0 };
         for (edge, color, grain) in [
