@@ -96,7 +96,7 @@ const LAYER_SHARE: f64 = 0.6;
 /// Width of the folds of crushed wood, radii, at most: with the usual heights their sides lie at 45° to 60° to the grain.
 const FOLD_WIDTH: f64 = 0.17;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
-const FOLD_HEIGHT: f64 = 1.9;
+const FOLD_HEIGHT: f64 = 1.4;
 const CRUSHED_ROUGHNESS: f64 = 0.14;
 /// How much of the noise of torn wood crushed wood has, and how much of a fold's height a bundle has from its middle: fibres that
 /// broke beside each other are no rounded hill.

@@ -11,6 +11,9 @@ use greenstick_wood::noise;
 const PATCHES: f64 = 3.6;
 const LEAST_ROUGH: f64 = 0.12;
 const LEAST_CRUSHED: f64 = 0.28;
+/// Height of the folds of crushed wood, radii, that short ends there are as high as. They differ less than folds do: a bundle is as wide
+/// under low folds as under high ones.
+const CRUSHED_HEIGHT: f64 = 0.115;
 /// Slopes of the ends of a group and of a bundle, height per radius, over the height of the relief of short ends.
 const GROUP_LEAN: f64 = 9.0;
 const OWN_LEAN: f64 = 5.5;
@@ -39,7 +42,8 @@ impl TornRelief<'_> {
     /// crushed.
     pub(super) fn shard(&self, key: i64, part: i64, middle: DVec2, torn: f64) -> Shard {
         let p = self.model.p;
-        let relief = torn * self.brittle * p.step_height + (1.0 - torn) * p.compression_height;
+        let crushed = (p.compression_height * CRUSHED_HEIGHT).sqrt();
+        let relief = torn * self.brittle * p.step_height + (1.0 - torn) * crushed;
         if relief <= 0.0 {
             return Shard::default();
         }
