@@ -326,9 +326,8 @@ impl<'a> TornRelief<'a> {
         let (shaft, outline) = self.taper(end, length, p.sliver_height * relief * torn * high);
         // Fibres: most end with their sliver, a few stand out of it far.
         let [far, blade, off] = end.fibre_random;
-        let fibre = relief * p.fibre_height * (0.25 + 0.75 * torn);
         let splintered = 1.0 - PLATE_SHARPNESS * self.brittle;
-        let fibre = splintered * fibre;
+        let fibre = splintered * relief * p.fibre_height * (0.25 + 0.75 * torn);
         let blade =
             fibre * (0.5 + 3.0 * far * far * far * far * torn) + 0.08 * torn * length * blade;
         let [drop, fork] = end.fork_random;
