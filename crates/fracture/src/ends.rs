@@ -120,8 +120,6 @@ const FORKS: usize = 5;
 const MAX_FORKS: usize = 4000;
 /// How many times as large the span of a board's rings and rays counts at most.
 const MAX_SPANS: f64 = 8.0;
-/// The power of that span by which slivers are more: those of a board are broader than those of a stem as wide as it is.
-const SLIVER_POWER: f64 = 0.6;
 /// Greatest length of such a part over its width.
 const FORK_SLENDERNESS: f64 = 7.0;
 /// Shares of the sides of slivers along rings and along rays that have a cleft, its width, radii, and the greatest part of a
@@ -192,7 +190,7 @@ impl TornEnds {
         let count = |count: usize, factor: f64| (count as f64 * factor).round() as usize;
         let (slabs, slivers) = (
             count(key.slabs, spans.sqrt().sqrt()),
-            count(key.slivers, libm::pow(spans, SLIVER_POWER)),
+            count(key.slivers, spans),
         );
         let mut ends = TornEnds {
             layout: bundles.layout.clone(),
