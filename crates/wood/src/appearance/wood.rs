@@ -133,7 +133,7 @@ impl WoodAppearance {
             latewood_color: srgb([182, 140, 96]),
             heartwood_color: srgb([209, 172, 129]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([160, 116, 80]),
+            phloem_color: srgb([152, 108, 74]),
             cork_color: srgb([88, 66, 50]),
             bark_color: None,
             bark_kind: None,
