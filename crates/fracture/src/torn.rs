@@ -309,6 +309,7 @@ impl<'a> TornRelief<'a> {
         let p = self.model.p;
         let key = index as i64;
         let zone = p.proportions().zone_at(rho, 0.0);
+        let width = 2.0 * bundle.half_width * rho * self.ends.ring_unit;
         let LargeShape {
             level,
             split,
@@ -347,7 +348,7 @@ impl<'a> TornRelief<'a> {
             * end.cleft
             * relief
             * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
-        let shard = self.shard(key, i64::from(end.fork), middle, torn);
+        let shard = self.shard((key, i64::from(end.fork)), (middle, width), torn);
         let base = level
             + shard.height
             + torn * (torn_height - cleft)
@@ -355,7 +356,6 @@ impl<'a> TornRelief<'a> {
             + slant.dot(self.about_pivot(end, at))
             - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
-        let width = 2.0 * bundle.half_width * rho * self.ends.ring_unit;
         BundleHeight {
             base,
             thorn: match self.field {

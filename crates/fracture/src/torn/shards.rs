@@ -39,8 +39,13 @@ pub(super) struct Shard {
 
 impl TornRelief<'_> {
     /// Returns the short end of a bundle with a number, of a part of a sliver, where this much of the wood is torn rather than
-    /// crushed.
-    pub(super) fn shard(&self, key: i64, part: i64, middle: DVec2, torn: f64) -> Shard {
+    /// crushed. `middle` is its middle, m, and `width` its width along the ring, radii: over its width it leans by no more than the height of the relief.
+    pub(super) fn shard(
+        &self,
+        (key, part): (i64, i64),
+        (middle, width): (DVec2, f64),
+        torn: f64,
+    ) -> Shard {
         let p = self.model.p;
         let crushed = (p.compression_height * CRUSHED_HEIGHT).sqrt();
         let relief = torn * self.brittle * p.step_height + (1.0 - torn) * crushed;
@@ -66,9 +71,10 @@ impl TornRelief<'_> {
         } else {
             0.0
         };
+        let wide = width.max(1.0 / f64::from(p.rings));
         Shard {
             height: relief * height,
-            slant: slant * relief,
+            slant: (slant * relief).clamp_length_max(relief / wide),
             blade: relief * POINTS * heavy(0.5 + 0.5 * own(3)),
         }
     }
