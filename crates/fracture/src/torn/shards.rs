@@ -39,7 +39,8 @@ pub(super) struct Shard {
 
 impl TornRelief<'_> {
     /// Returns the short end of a bundle with a number, of a part of a sliver, where this much of the wood is torn rather than
-    /// crushed. `middle` is its middle, m, and `width` its width along the ring, radii: over its width it leans by no more than the height of the relief.
+    /// crushed. `middle` is its middle, m, and `width` its width along the ring, radii: over its width it leans by no more than the
+    /// height of the relief.
     pub(super) fn shard(
         &self,
         (key, part): (i64, i64),
