@@ -230,7 +230,7 @@ class RequestAttributes:
     def triangles(self, value: int | str | None) -> None: ...
     @property
     def part(self) -> float:
-        """Move the pieces apart by this length, along the grain. Unit: metre."""
+        """Move the pieces apart by this length, along the grain. A piece that hangs on stays where it is. Unit: metre."""
     @part.setter
     def part(self, value: float | str) -> None: ...
     @property
@@ -415,7 +415,7 @@ class RequestAttributes:
     def splinter_lean(self, value: float | str | None) -> None: ...
     @property
     def splinter_snap(self) -> float | None:
-        """Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold. Where there is no room for that, they stay as they are. 'auto' is 0.1 where pieces are moved apart or hang, and 0 where they lie in each other. Unit: fraction."""
+        """Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold. Where there is no room for that, they stay as they are. 'auto' is 0.2 where pieces are moved apart or hang, and 0 where they lie in each other. Unit: fraction."""
     @splinter_snap.setter
     def splinter_snap(self, value: float | str | None) -> None: ...
     @property

@@ -7,7 +7,7 @@ use greenstick_wood::noise;
 
 /// How much of the steps between bundles runs out on the slant where brittle wood broke: least and greatest share, and how often
 /// that changes over a radius.
-const SLANTED: (f64, f64) = (0.05, 0.75);
+const SLANTED: (f64, f64) = (0.2, 0.85);
 const SLANTED_PATCHES: f64 = 3.5;
 
 /// Lets steps between the bundles of brittle wood run out on the slant, here more and there less, so that their edges are no walls

@@ -27,6 +27,7 @@ pub(crate) mod purpose {
     pub const SHELF: u64 = 0x54e1;
     pub const WANDER: u64 = 0x3a4d;
     pub const PLATE: u64 = 0x71a7;
+    pub const SHARD: u64 = 0x54a7;
 }
 
 /// The stem that heights are made for.

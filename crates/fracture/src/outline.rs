@@ -19,8 +19,8 @@ pub(crate) struct Ends {
 pub(crate) const SLIVERS: Ends = Ends {
     blunt: 0.1,
     oblique: 0.34,
-    shouldered: 0.2,
-    pointed: 0.2,
+    shouldered: 0.16,
+    pointed: 0.14,
 };
 /// The ends of single bundles: fibres that broke off beside each other.
 pub(crate) const BUNDLES: Ends = Ends {
@@ -150,7 +150,7 @@ mod tests {
         let (mut hollow, mut full) = (0, 0);
         for (i, outline) in (0..).zip(outlines(&SLIVERS)) {
             let kind = f64::from(i) / f64::from(KINDS);
-            let prongs = kind > 0.84;
+            let prongs = kind > 0.74;
             let steepest = outline
                 .windows(2)
                 .map(|w| (w[1] - w[0]).abs())
@@ -165,5 +165,28 @@ mod tests {
             }
         }
         assert!(hollow > KINDS / 20 && full > KINDS / 20, "{hollow} {full}");
+    }
+
+    #[test]
+    fn a_quarter_of_the_splinters_ends_in_several_tips_with_deep_clefts_between() {
+        const DEEP: f64 = 0.33;
+        let forked = |outline: &Vec<f64>| {
+            let (mut tips, mut rising, mut extreme) = (0, true, outline[0]);
+            for &h in outline {
+                extreme = if rising {
+                    extreme.max(h)
+                } else {
+                    extreme.min(h)
+                };
+                if (h - extreme).abs() > DEEP {
+                    (tips, extreme) = (tips + i32::from(rising), h);
+                    rising = !rising;
+                }
+            }
+            tips + i32::from(rising) > 1
+        };
+        let count = outlines(&SLIVERS).filter(forked).count();
+        let share = count as f64 / f64::from(KINDS);
+        assert!((0.15..0.4).contains(&share), "{share}");
     }
 }

@@ -83,6 +83,10 @@ enum Branch {
     },
 }
 
+/// Parts of a region at which it is split, and factors on its area by which the next one to be split is chosen.
+const PARTS: (f64, f64) = (0.22, 0.78);
+const WEIGHTS: (f64, f64) = (0.2, 2.2);
+
 /// A section split by rings and rays.
 #[derive(Debug, Clone)]
 pub(crate) struct SectionPartition {
@@ -109,7 +113,7 @@ impl SectionPartition {
             let n = regions.len();
             let largest = (1..n).fold(0, |l, i| if weights[i] > weights[l] { i } else { l });
             let r = regions[largest];
-            let part = 0.3 + 0.4 * random(n, 0);
+            let part = PARTS.0 + (PARTS.1 - PARTS.0) * random(n, 0);
             let (width, thickness) = r.size();
             let ring = width <= aspect * thickness;
             let (low, high) = if ring { r.rho } else { r.phi };
@@ -131,8 +135,10 @@ impl SectionPartition {
             leaves[largest] = below;
             leaves.push(below + 1);
             regions.push(other);
-            weights[largest] = regions[largest].area() * (0.35 + 1.3 * random(n, 1));
-            weights.push(other.area() * (0.35 + 1.3 * random(n, 2)));
+            // Many are split again and again, few stay broad.
+            let weight = |random: f64| WEIGHTS.0 + (WEIGHTS.1 - WEIGHTS.0) * random * random;
+            weights[largest] = regions[largest].area() * weight(random(n, 1));
+            weights.push(other.area() * weight(random(n, 2)));
         }
         SectionPartition {
             regions,
@@ -342,6 +348,18 @@ mod tests {
                 .iter()
                 .filter(|r| r.size().0 > 1.5 * r.size().1);
             assert!(flat.count() > 100);
+        }
+    }
+
+    #[test]
+    fn few_regions_are_broad_and_many_are_small() {
+        for seed in 1..6 {
+            let parts = SectionPartition::new(&SectionSpan::WHOLE, 120, 4.0, seed);
+            let mut areas: Vec<f64> = parts.regions.iter().map(Region::area).collect();
+            areas.sort_unstable_by(f64::total_cmp);
+            let of = |part: f64| areas[(part * (areas.len() - 1) as f64) as usize];
+            assert!(of(0.95) > 6.0 * of(0.1), "{} {}", of(0.95), of(0.1));
+            assert!(of(0.95) > 2.5 * of(0.5), "{} {}", of(0.95), of(0.5));
         }
     }
 }

@@ -7,6 +7,7 @@
 
 mod added;
 mod bark;
+mod shards;
 
 use crate::ends::{EndNode, TornEnd, TornEnds};
 use crate::field::HeightField;
@@ -43,8 +44,8 @@ pub(crate) struct BundleHeight {
     plates: f64,
     /// Height of the folds of crushed wood.
     folds: f64,
-    /// Whether it has the noise of its nodes.
-    noisy: bool,
+    /// How much of the noise of its nodes it has.
+    noisy: f64,
     bark: bool,
 }
 
@@ -97,8 +98,12 @@ const LAYER_SHARE: f64 = 0.6;
 /// Width of the folds of crushed wood, radii, at most: with the usual heights their sides lie at 45° to 60° to the grain.
 const FOLD_WIDTH: f64 = 0.17;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
-const FOLD_HEIGHT: f64 = 1.9;
-const CRUSHED_ROUGHNESS: f64 = 0.25;
+const FOLD_HEIGHT: f64 = 1.4;
+const CRUSHED_ROUGHNESS: f64 = 0.14;
+/// How much of the noise of torn wood crushed wood has, and how much of a fold's height a bundle has from its middle: fibres that
+/// broke beside each other are no rounded hill.
+const CRUSHED_NOISE: f64 = 0.25;
+const FOLD_STEPS: f64 = 0.3;
 /// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
 const CRUSHED_PARTS: f64 = 0.4;
 const CRUSHED_BUNDLES: f64 = 0.06;
@@ -221,7 +226,7 @@ impl<'a> TornRelief<'a> {
             rough: 0.0,
             plates: 0.0,
             folds: 0.0,
-            noisy: false,
+            noisy: 0.0,
             blade: if bundle.bark { 0.0 } else { fibre },
             bark: bundle.bark,
         }
@@ -308,6 +313,7 @@ impl<'a> TornRelief<'a> {
         let p = self.model.p;
         let key = index as i64;
         let zone = p.proportions().zone_at(rho, 0.0);
+        let width = 2.0 * bundle.half_width * rho * self.ends.ring_unit;
         let LargeShape {
             level,
             split,
@@ -326,9 +332,8 @@ impl<'a> TornRelief<'a> {
         let (shaft, outline) = self.taper(end, length, p.sliver_height * relief * torn * high);
         // Fibres: most end with their sliver, a few stand out of it far.
         let [far, blade, off] = end.fibre_random;
-        let fibre = relief * p.fibre_height * (0.25 + 0.75 * torn);
         let splintered = 1.0 - PLATE_SHARPNESS * self.brittle;
-        let fibre = splintered * fibre;
+        let fibre = splintered * relief * p.fibre_height * (0.25 + 0.75 * torn);
         let blade =
             fibre * (0.5 + 3.0 * far * far * far * far * torn) + 0.08 * torn * length * blade;
         let [drop, fork] = end.fork_random;
@@ -348,19 +353,20 @@ impl<'a> TornRelief<'a> {
             * end.cleft
             * relief
             * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
+        let shard = self.shard((key, i64::from(end.fork)), (middle, width), torn);
         let base = level
+            + shard.height
             + torn * (torn_height - cleft)
             + (1.0 - torn) * crushed
             + slant.dot(self.about_pivot(end, at))
             - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
-        let width = 2.0 * bundle.half_width * rho * self.ends.ring_unit;
         BundleHeight {
             base,
             thorn: thorns * self.thorn(rho, bundle.phi, zone, key, end.sliver),
             raggedness: fibre,
             middle,
-            slant: slant + tilt,
+            slant: slant + tilt + shard.slant,
             sliver: up * outline,
             fork: up * fork,
             slab: own_share * torn * relief * p.slab_height * shortened,
@@ -368,8 +374,8 @@ impl<'a> TornRelief<'a> {
             rough: torn * p.step_height * (1.0 - PLATE_SMOOTHNESS * self.brittle)
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
             folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
-            noisy: true,
-            blade: up * blade.min(3.0 * MAX_SLENDERNESS * width),
+            noisy: CRUSHED_NOISE + (1.0 - CRUSHED_NOISE) * torn,
+            blade: up * blade.min(3.0 * MAX_SLENDERNESS * width) + shard.blade,
             bark: false,
         }
     }
@@ -472,11 +478,7 @@ impl<'a> TornRelief<'a> {
         }
         let at = bundles.layout.nodes[node.node as usize];
         let slope = level.slant.dot(at - level.middle) / radius;
-        let noise = if level.noisy {
-            noises[node.node as usize]
-        } else {
-            0.0
-        };
+        let noise = level.noisy * noises[node.node as usize];
         let height = level.base
             + slope
             + noise
@@ -485,7 +487,7 @@ impl<'a> TornRelief<'a> {
             + level.slab * node.slab
             + level.rough * node.rough
             + level.plates * node.plate
-            + level.folds * self.fold(at, level.folds, node.rough);
+            + level.folds * self.fold(at.lerp(level.middle, FOLD_STEPS), level.folds, node.rough);
         if level.thorn > 0.0 {
             // A slender prism, and on it a pyramid that leans to one side.
             let shaft = self.model.p.thorn_shaft;

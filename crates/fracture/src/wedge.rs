@@ -15,7 +15,7 @@ pub struct Wedge {
 }
 
 /// Part of the greatest height above which the wedge leaves heights as they are.
-const UNSCALED_SHARE: f64 = 0.5;
+const UNSCALED_SHARE: f64 = 0.85;
 /// Heights in a narrow wedge are multiples of this part of the radius. Next to the edge they would differ by next to nothing,
 /// and steps finer than a file's precision would cross.
 const HEIGHT_STEP: f64 = 5e-4;

@@ -20,9 +20,9 @@ use greenstick_wood::tissue::Zone;
 use strand::{Root, Strand, StrandMesh};
 
 /// Strands on each square metre of torn side grain with a fuzz of 1, on wood of the reference radius.
-const DENSITY: f64 = 9e5;
+const DENSITY: f64 = 7.5e5;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1.
-const MAX_SHARE: f64 = 0.7;
+const MAX_SHARE: f64 = 0.6;
 /// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
 const MEAN_TRIANGLES: f64 = 12.5;
 /// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a
@@ -258,12 +258,14 @@ fn strand_on(
     // Most are short, and lengths differ by a decade.
     let mut length =
         size * (0.5e-3 + 2.2e-3 * random(7) * random(7) + 10e-3 * long * long * long * long * long);
-    // What stands out beyond the edge is short.
+    // What stands out beyond the edge is short, but for a few hairs.
     let ahead = frame.grain.map(|g| direction * g.z);
     let edge = ahead[0].max(ahead[1]).max(ahead[2]) - direction * of(weights, frame.grain).z;
-    let beyond = size * (0.6e-3 + 3.2e-3 * random(15) * random(16));
+    let hair = random(17) * random(17) * random(17);
+    let beyond = size * (0.6e-3 + 3.2e-3 * random(15) * random(16) + 6e-3 * hair * hair);
     length = length.min(edge + beyond);
-    let width = size * (0.045e-3 + 0.08e-3 * random(8) * random(8)) + 0.014 * length * random(9);
+    let width =
+        size * (0.045e-3 + 0.08e-3 * random(8) * random(8)) + 0.02 * length * random(9) * random(9);
     // Most lie close, some stand off. Those beside each other bend to one side, so that they hardly cross, and all are bent.
     let loose = random(10);
     let lift = 0.02 + 0.27 * loose * loose * loose * loose;

@@ -95,7 +95,7 @@ parameters! {
             /// pieces are moved apart or hang, and 0 where they lie in each other.
             splinter_lean: Option<f64> = None, number(Degree, 0.0, 20.0).auto();
             /// Share of the slender splinters that snapped on their way and hang to one side by the fibres that still hold. Where
-            /// there is no room for that, they stay as they are. "auto" is 0.1 where pieces are moved apart or hang, and 0 where they
+            /// there is no room for that, they stay as they are. "auto" is 0.2 where pieces are moved apart or hang, and 0 where they
             /// lie in each other.
             splinter_snap: Option<f64> = None, number(Fraction, 0.0, 1.0).auto();
             /// Height of the steps between neighbouring rings where the wood breaks brittle. The

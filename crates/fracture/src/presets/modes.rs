@@ -68,6 +68,8 @@ pub(super) const MODES: [Preset; 7] = [
             ("bark_offset", "0.02"),
             ("bark_height", "0.05"),
             ("inclination", "6"),
+            ("heartwood.perlin_amplitude", "0.02"),
+            ("sapwood.perlin_amplitude", "0.02"),
             ("heartwood.white_noise_amplitude", "0"),
             ("sapwood.white_noise_amplitude", "0"),
             ("pith.white_noise_amplitude", "0"),

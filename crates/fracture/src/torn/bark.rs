@@ -134,7 +134,7 @@ impl TornRelief<'_> {
             rough: 0.0,
             plates: 0.0,
             folds: 0.0,
-            noisy: false,
+            noisy: 0.0,
             bark: true,
         }
     }

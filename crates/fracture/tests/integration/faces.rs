@@ -114,6 +114,54 @@ fn brash_wood_breaks_in_plates_that_bundles_share_and_tough_wood_in_splinters() 
     }
 }
 
+/// Crushed wood is no noisy floor: groups of bundles stand out of it as stubs, and about as many left pits.
+#[test]
+fn stubs_stand_out_of_crushed_wood_beside_pits() {
+    for seed in 1..4 {
+        let (stem, bundles, heights) = round_face("compression-first", seed);
+        let layout = &bundles.layout;
+        let mut cells = vec![(0.0, 0.0); bundles.bundles.len()];
+        for (f, facet) in layout.facets.iter().enumerate() {
+            let [a, b, c] = facet.map(|n| layout.nodes[n as usize]);
+            let area = (b - a).perp_dot(c - a);
+            let cell = &mut cells[layout.cells[f] as usize];
+            *cell = (
+                cell.0 + area * heights.surface.heights[f].iter().sum::<f64>() / 3.0,
+                cell.1 + area,
+            );
+        }
+        let height = |cell: usize| cells[cell].0 / cells[cell].1 / stem.radius;
+        // Tension is along x: the crushed side is opposite.
+        let is_crushed = |cell: usize| {
+            let b = &bundles.bundles[cell];
+            !b.bark && b.rho < 0.85 && b.rho * b.phi.cos() < -0.3 && cells[cell].1 > 0.0
+        };
+        let mut around = vec![Vec::new(); cells.len()];
+        for edge in &layout.edges {
+            let [a, b] = edge.facets;
+            if a.0 != NONE && b.0 != NONE {
+                let [a, b] = [a.0, b.0].map(|f| layout.cells[f as usize] as usize);
+                if a != b && is_crushed(a) && is_crushed(b) {
+                    around[a].push(height(b));
+                    around[b].push(height(a));
+                }
+            }
+        }
+        let (mut crushed, mut out, mut sunk) = (0.0, 0.0, 0.0);
+        for (cell, around) in around.iter_mut().enumerate().filter(|c| c.1.len() > 2) {
+            around.sort_unstable_by(f64::total_cmp);
+            let off = height(cell) - around[around.len() / 2];
+            crushed += 1.0;
+            out += f64::from(off > 0.06);
+            sunk += f64::from(off < -0.06);
+        }
+        let (out, sunk) = (out / crushed, sunk / crushed);
+        println!("seed {seed}: {crushed} {out} {sunk}");
+        assert!((0.02..0.2).contains(&out), "seed {seed}: {out}");
+        assert!((0.02..0.2).contains(&sunk), "seed {seed}: {sunk}");
+    }
+}
+
 /// The height of a high layer at its border: it runs out over a way that grows with it, and is no cliff.
 #[test]
 fn a_high_layer_runs_out_on_the_slant() {

@@ -26,7 +26,7 @@ parameters! {
             /// The most triangles that the pieces together may have beyond those of the stem that is broken. Where they would
             /// have more, the face has fewer rings and sectors, and spiral grain fewer levels.
             triangles: Option<u32> = None, count(1, 1_000_000_000).auto().stage("layout");
-            /// Move the pieces apart by this length, along the grain.
+            /// Move the pieces apart by this length, along the grain. A piece that hangs on stays where it is.
             separation as "part": f64 = 0.0, length(0.0, MAX_DISTANCE);
             /// Move them farther than that where their splinters would still lie in each other.
             part_clear: bool = true, flag();

@@ -78,3 +78,68 @@ fn a_hanging_piece_touches_the_other_nowhere_and_stays_at_its_hinge() {
         assert!((cosine - hang.angle_degrees.to_radians().cos()).abs() < 1e-9);
     }
 }
+
+/// Numbers of the vertices of each shell of a mesh, ascending.
+fn shells(mesh: &Mesh) -> Vec<Vec<usize>> {
+    let mut of: Vec<usize> = (0..mesh.positions.len()).collect();
+    fn find(of: &mut [usize], mut at: usize) -> usize {
+        while of[at] != at {
+            of[at] = of[of[at]];
+            at = of[at];
+        }
+        at
+    }
+    for &[a, b, c] in &mesh.triangles {
+        for v in [b, c] {
+            let (one, other) = (find(&mut of, a as usize), find(&mut of, v as usize));
+            of[one.max(other)] = one.min(other);
+        }
+    }
+    let mut shells = vec![Vec::new(); of.len()];
+    for v in 0..of.len() {
+        let first = find(&mut of, v);
+        shells[first].push(v);
+    }
+    shells.retain(|shell| !shell.is_empty());
+    shells
+}
+
+/// Laths between the pieces are of many widths, lie beside each other at one end and apart in the middle, and straps of inner bark lie
+/// outside of them. A piece that hangs on stays where it is when the pieces are to be moved apart.
+#[test]
+fn a_hinge_is_of_laths_of_many_widths_and_of_inner_bark_and_parts_do_not_leave_it() {
+    let hung = |separation: f64| {
+        let request = BreakRequest {
+            texture_width: 16,
+            ..BreakRequest::single(Break {
+                separation,
+                recipe: Recipe::resolve(&["green-stick"], None, &["seed=4"]).unwrap(),
+                ..Break::default()
+            })
+        };
+        break_scene(built_in_branch(), &request, &Context::quiet()).unwrap()
+    };
+    let (made, apart) = (hung(0.0), hung(0.03));
+    assert!(made.scene == apart.scene);
+    assert!(apart.report.to_string().contains("hangs on"));
+    assert!(!made.report.to_string().contains("hangs on"));
+
+    let fuzz = made.scene.nodes.iter().find(|n| n.name == "lower_fuzz");
+    let mesh = &fuzz.unwrap().mesh;
+    let zones = &mesh.attributes["_ZONE"];
+    let radius = made.woods[0].stem.radius;
+    let (mut widths, mut straps) = (Vec::new(), 0);
+    for shell in shells(mesh) {
+        // Strands of fuzz have ten vertices at most.
+        if shell.len() >= 36 {
+            let [a, b] = [shell[16], shell[17]].map(|v| mesh.positions[v]);
+            widths.push(a.distance(b) / radius);
+            straps += usize::from(zones.at(shell[0])[0] == 3.0);
+        }
+    }
+    widths.sort_unstable_by(f64::total_cmp);
+    assert!(widths.len() > 60, "{}", widths.len());
+    assert!(straps > 10, "{straps}");
+    let of = |part: f64| widths[(part * (widths.len() - 1) as f64) as usize];
+    assert!(of(0.95) > 5.0 * of(0.1), "{} {}", of(0.95), of(0.1));
+}

@@ -58,18 +58,22 @@ impl<'a> Parting<'a> {
         self.way.after(way)
     }
 
-    /// Returns the way of a break.
+    /// Returns the way of a break. A piece that hangs on stays where it is.
     pub fn way(&self, asked: Separation, pieces: [&Mesh; 2]) -> Parted {
         let stem = &self.stages.stem;
+        if stem.face.hang > 0.0 {
+            let requested_m = asked.way;
+            return Parted {
+                way: 0.0,
+                note: (requested_m > 0.0).then_some(BreakNote::HangsOn { requested_m }),
+            };
+        }
         let half = |mesh| Half {
             mesh,
             transform: *stem.stem().transform(),
             inner: stem.inner_material,
         };
         let [lower, upper] = pieces.map(half);
-        // A piece that hangs on turns clear of the other.
-        let until_clear = asked.until_clear && stem.face.hang == 0.0;
-        let asked = Separation::new(asked.way, until_clear);
         Parted::of(&self.way, asked, [&lower, &upper], self.context)
     }
 }

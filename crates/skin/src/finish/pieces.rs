@@ -24,7 +24,7 @@ const MOST_AT_ONCE: usize = 2_000_000;
 
 /// Mean lean of splinters (degrees), and the share of them that snap, where nothing else is requested.
 const LEAN: f64 = 8.0;
-const SNAPPED: f64 = 0.1;
+const SNAPPED: f64 = 0.2;
 
 /// How a break is finished.
 #[derive(Debug, Clone, Copy)]

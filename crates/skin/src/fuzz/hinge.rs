@@ -10,23 +10,39 @@ use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::surface::FractureSurface;
 use greenstick_wood::noise::unit;
 use greenstick_wood::stem::LayeredGrain;
+use greenstick_wood::tissue::Zone;
 
-/// Bundles of fibres in the hinge.
-const BUNDLES: i64 = 150;
-/// Distances from the edge that the piece turned about, radii, between which bundles lie, and beyond which they are torn.
-const REACH: (f64, f64) = (0.03, 0.6);
-const WHOLE: f64 = 0.36;
-/// Widths and thicknesses, radii.
-const WIDTH: (f64, f64) = (0.03, 0.17);
-const THICKNESS: (f64, f64) = (0.008, 0.022);
-/// How far bundles reach into the wood of both pieces, radii.
+/// Slabs of the hinge, and straps of inner bark that buckle outside of it.
+const SLABS: i64 = 64;
+const STRAPS: i64 = 22;
+/// Distances from the edge that the piece turned about, radii, between which slabs lie, and beyond which they are torn.
+const REACH: (f64, f64) = (0.03, 0.8);
+const WHOLE: f64 = 0.4;
+/// Widths of slabs and of straps, radii, and thicknesses of both. Most are narrow.
+const WIDTH: (f64, f64) = (0.02, 0.3);
+const STRAP_WIDTH: (f64, f64) = (0.05, 0.24);
+const THICKNESS: (f64, f64) = (0.008, 0.03);
+/// The most laths that a slab splits into between its ends, and their least width, radii.
+const LATHS: f64 = 4.0;
+const LATH_WIDTH: f64 = 0.035;
+/// How far into the wood of both pieces slabs reach, radii.
 const ROOT: f64 = 0.12;
-/// How far the middle of a bundle lies beside its straight way, radii.
-const SAG: f64 = 0.05;
-/// Sections of a bundle between the faces.
-const SECTIONS: i32 = 7;
-/// Ring coordinate beyond which there are none.
+/// How far the middle of a slab lies beside its straight way, radii, and how far those of its laths differ.
+const SAG: f64 = 0.06;
+const PARTED: f64 = 0.055;
+/// How far straps buckle outwards, radii.
+const BUCKLE: (f64, f64) = (0.03, 0.16);
+/// Share of straps and of the slabs next to the edge that are torn.
+const TORN_STRAPS: f64 = 0.3;
+const TORN: f64 = 0.15;
+/// How much narrower and wider a lath is along its way, at most.
+const UNEVEN: f64 = 0.3;
+/// Sections of a lath between the faces.
+const SECTIONS: i32 = 8;
+/// Ring coordinate beyond which there are no slabs.
 const OUTER_RING: f64 = 0.93;
+/// How far straps lie from where the skin is nearest to the edge, radii: within the bark.
+const STRAP_DEPTH: f64 = 0.05;
 /// In the hash: what random numbers are drawn for.
 const PURPOSE: u64 = 0x41b6;
 
@@ -49,97 +65,219 @@ pub struct HingeOptions<'a> {
     pub motion: DAffine3,
 }
 
+/// A slab of the hinge, or a strap of inner bark.
+struct Slab {
+    /// Middle of its root in the section, m, and its ring coordinate.
+    at: DVec2,
+    ring: f64,
+    /// Where it leaves the lower piece, and where it enters the upper.
+    ends: [DVec3; 2],
+    /// Directions along the grain there.
+    along: [DVec3; 2],
+    /// Direction of its width at the lower piece.
+    beside: DVec3,
+    /// Depth of its roots, width and thickness, m.
+    root: f64,
+    width: f64,
+    thickness: f64,
+    /// How far its middle lies off the way between its ends, m.
+    sag: DVec3,
+    /// Height of the lower face at its root, m.
+    height: f64,
+    /// Probability that a lath of it is torn.
+    torn: f64,
+}
+
 impl HingeOptions<'_> {
     /// Adds the fibres of the hinge to strands of the lower piece, as long as there are no more triangles than `most`.
     pub(super) fn add(&self, made: &mut StrandMesh, most: usize) {
         let places = FacetPlaces::new(self.surface, 1.0);
-        for number in 0..BUNDLES {
-            let ribbon = self.bundle(&places, number);
-            if let Some(ribbon) = ribbon.filter(|r| made.triangles() + r.triangles() <= most) {
-                made.add_ribbon(&ribbon);
+        for number in 0..SLABS + STRAPS {
+            let slab = if number < STRAPS {
+                self.strap(&places, number)
+            } else {
+                self.slab(&places, number)
+            };
+            let Some(slab) = slab else {
+                continue;
+            };
+            let random = |k: i64| self.random(number, k);
+            let most_laths = (slab.width / (LATH_WIDTH * self.radius())).clamp(1.0, LATHS);
+            let laths = (1.0 + (most_laths - 0.5) * random(20)) as i64;
+            // Laths of one slab lie beside each other at its ends and take unequal shares of it.
+            let weights: Vec<f64> = (0..laths).map(|k| 0.3 + random(30 + k)).collect();
+            let sum: f64 = weights.iter().sum();
+            let mut from = 0.0;
+            for (lath, weight) in (0..).zip(weights) {
+                let part = weight / sum;
+                let middle = (from + 0.5 * part - 0.5) * slab.width;
+                from += part;
+                let ribbon = self.lath(&slab, (number, lath), (middle, part * slab.width));
+                if made.triangles() + ribbon.triangles() <= most {
+                    made.add_ribbon(&ribbon);
+                }
             }
         }
     }
 
-    fn bundle(&self, places: &FacetPlaces, number: i64) -> Option<Ribbon> {
-        let stem = self.fuzz.stem;
-        let radius = stem.radius;
-        let random = |k: i64| unit(self.fuzz.seed ^ PURPOSE << 20, number, k, 0);
-        let part = random(0);
-        let far = REACH.0 + (REACH.1 - REACH.0) * part * part;
+    fn radius(&self) -> f64 {
+        self.fuzz.stem.radius
+    }
+
+    fn random(&self, number: i64, k: i64) -> f64 {
+        unit(self.fuzz.seed ^ PURPOSE << 20, number, k, 0)
+    }
+
+    /// Draws a slab of wood.
+    fn slab(&self, places: &FacetPlaces, number: i64) -> Option<Slab> {
+        let radius = self.radius();
+        let random = |k: i64| self.random(number, k);
+        let far = between(REACH, random(0) * random(0));
         // As broad as the section is at that distance.
         let broad = (1.0 - (1.0 - far) * (1.0 - far)).max(0.0).sqrt();
         let aside = (2.0 * random(1) - 1.0) * broad * radius;
         let at = self.toward * (self.from + far * radius) + self.toward.perp() * aside;
-        let (ring, _) = stem.rings.address(at);
+        let (ring, _) = self.fuzz.stem.rings.address(at);
         if ring > OUTER_RING {
             return None;
         }
         let (_, height) = places.highest(at)?;
-        let world = |height: f64| self.layers.to_world(at.extend(height));
-        let root = ROOT * radius * (1.0 + random(2));
-        let (start, along) = (
-            world(height),
-            (world(height) - world(height - root)).normalize_or_zero(),
-        );
-        let [end, onward] = [
-            self.motion.transform_point3(start),
-            self.motion.transform_vector3(along),
-        ];
+        let mut slab = self.placed(at, (ring, height), ROOT * (1.0 + random(2)));
+        let along = slab.along[0];
+        slab.sag =
+            (slab.beside * (2.0 * random(3) - 1.0) + along * (random(4) - 0.5)) * SAG * radius;
+        slab.width = between(WIDTH, random(8) * random(8) * random(18)) * radius;
+        slab.thickness = between(THICKNESS, random(9) * random(9)) * radius;
+        slab.torn = TORN + (far - WHOLE) / (REACH.1 - WHOLE);
+        Some(slab)
+    }
+
+    /// Draws a strap of inner bark: outside of the hinge bark is pushed together and buckles.
+    fn strap(&self, places: &FacetPlaces, number: i64) -> Option<Slab> {
+        let radius = self.radius();
+        let random = |k: i64| self.random(number, k);
+        let turn = 1.1 * (2.0 * random(1) - 1.0);
+        let (sin, cos) = libm::sincos(turn);
+        let rings = &self.fuzz.stem.rings;
+        // Outwards from the pith to within the bark.
+        let out = self.toward.perp() * sin - self.toward * cos;
+        let at = (1..=40)
+            .map(|k| rings.pith() + out * (1.3 * radius * f64::from(k) / 40.0))
+            .take_while(|&at| rings.address(at).0 < 1.0 - STRAP_DEPTH)
+            .last()?;
+        let (_, height) = places.highest(at)?;
+        let mut slab = self.placed(at, (1.0 - STRAP_DEPTH, height), ROOT * (1.2 + random(2)));
+        let outwards = {
+            let to = self.layers.to_world((at + out * radius).extend(height));
+            (to - slab.ends[0]).normalize_or_zero()
+        };
+        slab.sag = outwards * (between(BUCKLE, random(3) * random(4)) * radius);
+        slab.width = between(STRAP_WIDTH, random(8) * random(8)) * radius;
+        slab.thickness = between(THICKNESS, random(9)) * radius;
+        slab.torn = TORN_STRAPS;
+        Some(slab)
+    }
+
+    /// Returns a slab without a width whose root is at a place of the section on the face with a ring coordinate and a height (m); it
+    /// is this deep, radii.
+    fn placed(&self, at: DVec2, (ring, height): (f64, f64), root: f64) -> Slab {
+        let root = root * self.radius();
+        let world = |at: DVec2, height: f64| self.layers.to_world(at.extend(height));
+        let start = world(at, height);
+        let along = (start - world(at, height - root)).normalize_or_zero();
+        // Straps lie around the stem, slabs along the edge.
+        let out = at - self.fuzz.stem.rings.pith();
+        let across = if ring > OUTER_RING {
+            out.perp().normalize_or_zero()
+        } else {
+            self.toward.perp()
+        };
+        Slab {
+            at,
+            ring,
+            ends: [start, self.motion.transform_point3(start)],
+            along: [along, self.motion.transform_vector3(along)],
+            beside: (world(at + across * self.radius(), height) - start).normalize_or_zero(),
+            root,
+            width: 0.0,
+            thickness: 0.0,
+            sag: DVec3::ZERO,
+            height,
+            torn: 0.0,
+        }
+    }
+
+    /// Makes a lath of a slab: `middle` is its distance from the slab's middle at the ends, both in m.
+    fn lath(&self, slab: &Slab, (number, lath): (i64, i64), (middle, width): (f64, f64)) -> Ribbon {
+        let random = |k: i64| self.random(number, 100 + 30 * lath + k);
+        let radius = self.radius();
+        let [start, end] = slab.ends.map(|p| p + slab.beside * middle);
+        let [along, onward] = slab.along;
         let chord = start.distance(end);
-        let beside = {
-            let q = self.toward.perp().extend(0.0) * radius;
-            (self.layers.to_world(at.extend(height) + q) - start).normalize_or_zero()
-        };
-        let sag = (beside * (2.0 * random(3) - 1.0) + along * (random(4) - 0.5)) * (SAG * radius);
+        let even = |k: i64| 2.0 * random(k) - 1.0;
+        let normal = along.cross(slab.beside);
+        let parted = (slab.beside * even(0) + normal * even(1)) * (PARTED * radius);
         // Some are torn off on the way, from either piece.
-        let torn = random(5) < 0.15 + (far - WHOLE) / (REACH.1 - WHOLE);
-        let from_lower = random(6) < 0.5;
-        let reaches = if torn { 0.25 + 0.5 * random(7) } else { 1.0 };
+        let torn = random(5) < slab.torn;
+        let turned = torn && random(6) < 0.5;
+        let reaches = if torn { 0.2 + 0.55 * random(7) } else { 1.0 };
         let curve = |t: f64| {
-            let tangents = [along * chord, onward * chord];
-            hermite([start, end], tangents, t) + sag * (4.0 * t * (1.0 - t))
+            let bulge = (slab.sag + parted) * (4.0 * t * (1.0 - t));
+            hermite([start, end], [along * chord, onward * chord], t) + bulge
         };
-        let mut places = vec![start - along * root];
         let way = |i: i32| f64::from(i) / f64::from(SECTIONS - 1) * reaches;
-        let turned = torn && !from_lower;
         let along_it = |i| if turned { 1.0 - way(i) } else { way(i) };
+        let mut places = vec![if turned {
+            end + onward * slab.root
+        } else {
+            start - along * slab.root
+        }];
         places.extend((0..SECTIONS).map(|i| curve(along_it(i))));
-        if turned {
-            places[0] = end + onward * root;
-        }
         if !torn {
-            places.push(end + onward * root);
+            places.push(end + onward * slab.root);
         }
-        let of = |range: (f64, f64), random: f64| {
-            (range.0 + (range.1 - range.0) * random * random) * radius
-        };
-        let (width, thickness) = (of(WIDTH, random(8)), of(THICKNESS, random(9)));
         let last = places.len() - 1;
         let to_node = self.transform.inverse();
         let section = |(i, place): (usize, &DVec3)| {
             let tangent = places[(i + 1).min(last)] - places[i.saturating_sub(1)];
             let taper = if torn {
-                1.0 - 0.85 * i as f64 / last as f64
+                1.0 - 0.9 * i as f64 / last as f64
             } else {
                 1.0
             };
-            let flat = (beside - tangent * (beside.dot(tangent) / tangent.length_squared()))
-                .normalize_or_zero();
+            let inner = i > 1 && i + 2 < places.len();
+            let uneven = if inner {
+                1.0 - UNEVEN * random(10 + i as i64)
+            } else {
+                1.0
+            };
+            let flat = (slab.beside
+                - tangent * (slab.beside.dot(tangent) / tangent.length_squared()))
+            .normalize_or_zero();
             let ridge = tangent.cross(flat).normalize_or_zero();
-            let length = height + (i as f64 - 1.0) * root / SECTIONS as f64;
+            let length = slab.height + (i as f64 - 1.0) * slab.root / f64::from(SECTIONS);
             RibbonSection {
                 place: to_node.transform_point3(*place),
-                flat: to_node.transform_vector3(flat * (0.5 * width * taper)),
-                ridge: to_node.transform_vector3(ridge * (0.5 * thickness * taper)),
-                grain: at.extend(length),
+                flat: to_node.transform_vector3(flat * (0.5 * width * taper * uneven)),
+                ridge: to_node.transform_vector3(ridge * (0.5 * slab.thickness * taper)),
+                grain: slab.at.extend(length),
             }
         };
-        Some(Ribbon {
-            ring,
+        Ribbon {
+            ring: slab.ring,
+            zone: if slab.ring > OUTER_RING {
+                Zone::Phloem
+            } else {
+                Zone::Sapwood
+            },
             sections: places.iter().enumerate().map(section).collect(),
-        })
+        }
     }
+}
+
+/// Returns the number at a part of a range.
+fn between((low, high): (f64, f64), part: f64) -> f64 {
+    low + (high - low) * part
 }
 
 /// Returns a point of the cubic Hermite curve between two points, at a fraction of the way.

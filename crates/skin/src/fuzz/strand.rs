@@ -84,8 +84,9 @@ impl Strand {
 
 /// A flat bundle of fibres of any curve, in the coordinates of the piece.
 pub(super) struct Ribbon {
-    /// Ring coordinate of its wood.
+    /// Ring coordinate of its wood, and its tissue.
     pub ring: f64,
+    pub zone: Zone,
     pub sections: Vec<RibbonSection>,
 }
 
@@ -199,7 +200,7 @@ impl<'a> StrandMesh<'a> {
                 self.grain.extend(section.grain.as_vec3().to_array());
                 self.rings.push(ribbon.ring.min(1.0) as f32);
                 self.sectors.push(0.0);
-                self.zones.push(f32::from(Zone::Sapwood.code()));
+                self.zones.push(f32::from(ribbon.zone.code()));
             }
         }
         let corner = |section: usize, side: usize| first + (4 * section + side % 4) as u32;

@@ -16,10 +16,10 @@ const KINKS: (f64, f64) = (0.12, 0.55);
 /// Least length of what hangs, radii.
 const LEAST_HANGING: f64 = 0.14;
 /// Angles by which it turns, degrees, and shares of that which are tried one after the other where there is no room.
-const ANGLES: (f64, f64) = (32.0, 135.0);
+const ANGLES: (f64, f64) = (16.0, 125.0);
 const SHARES: [f64; 4] = [1.0, 0.75, 0.55, 0.35];
 /// Length of the kink: at least, and at most more, radii.
-const KINK: (f64, f64) = (0.12, 0.12);
+const KINK: (f64, f64) = (0.045, 0.07);
 /// Number of directions that are looked at, of places along what hangs, and the distance from the wood below that is room enough,
 /// radii.
 const DIRECTIONS: usize = 12;
@@ -196,8 +196,8 @@ impl Snaps {
 }
 
 /// Factor on the angle of one that crosses others, and the angle (rad) below which it stays straight.
-const LESS: f64 = 0.6;
-const LEAST_TURN: f64 = 0.35;
+const LESS: f64 = 0.5;
+const LEAST_TURN: f64 = 0.22;
 
 impl Snap {
     /// Turns a splinter with a section and a tip to the side with the most room, as far as there is some.
@@ -214,7 +214,8 @@ impl Snap {
         let random = |k: i64| noise::unit(seed, i64::from(self.branch), k, 1);
         let middle = section.iter().sum::<DVec2>() / section.len() as f64;
         let (least, most) = ANGLES;
-        let angle = (least + (most - least) * random(0)).to_radians();
+        // Most snapped half through.
+        let angle = (least + (most - least) * random(0) * random(0)).to_radians();
         let length = tip - self.from;
         let mut best: Option<(f64, DVec2, DVec2)> = None;
         for share in SHARES {

@@ -70,6 +70,11 @@ pub enum BreakNote {
         /// The angle requested, degrees.
         requested: f64,
     },
+    /// A piece that hangs on was not moved apart from the other.
+    HangsOn {
+        /// The way requested, m.
+        requested_m: f64,
+    },
     /// Pieces were moved apart farther than requested: on a shorter way they lie in each other.
     PartedFarther {
         /// The way, m.
@@ -236,11 +241,9 @@ impl fmt::Display for BreakNote {
             BreakNote::NoSpiralGrain => f.write_str(
                 "the spiral angle was left out: only the fibrous face of a round stem has spiral grain",
             ),
-            BreakNote::HangsWider { angle, requested } => write!(
-                f,
-                "the upper piece hangs at {angle:.1}° instead of {requested:.1}°, the least angle at which it is clear of \
-                 the lower one"
-            ),
+            hanging @ (BreakNote::HangsWider { .. } | BreakNote::HangsOn { .. }) => {
+                on_hanging(f, hanging)
+            }
             BreakNote::PartedFarther { way_m, requested_m } => parted(f, *way_m, *requested_m),
             BreakNote::PartsOverlap { shared_m3 } => overlap(f, *shared_m3),
             BreakNote::SelfIntersectionsResolved {
@@ -259,6 +262,22 @@ impl fmt::Display for BreakNote {
             BreakNote::Other(text) => f.write_str(text),
             cracks => on_cracks(f, cracks),
         }
+    }
+}
+
+fn on_hanging(f: &mut fmt::Formatter<'_>, note: &BreakNote) -> fmt::Result {
+    match note {
+        BreakNote::HangsWider { angle, requested } => write!(
+            f,
+            "the upper piece hangs at {angle:.1}° instead of {requested:.1}°, the least angle at which it is clear of \
+             the lower one"
+        ),
+        BreakNote::HangsOn { requested_m } => write!(
+            f,
+            "the upper piece hangs on, so the pieces were not moved apart by {:.1} cm; with hang=0 they would be",
+            requested_m * 1e2
+        ),
+        _ => Ok(()),
     }
 }
 

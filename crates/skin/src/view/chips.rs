@@ -19,7 +19,11 @@ const THICKNESSES: (f64, f64) = (0.12, 0.4);
 /// Least width, m on a stem of the reference radius.
 const LEAST_WIDTH: f64 = 0.25e-3;
 /// How far from a piece's middle chips lie, in half its widths: from the piece's outside, most of them near.
-const DISTANCES: (f64, f64) = (1.02, 1.7);
+const DISTANCES: (f64, f64) = (1.02, 2.6);
+/// Heaps that chips lie in, how far they spread about those, rad, and the share of chips that lie anywhere.
+const HEAPS: f64 = 5.0;
+const HEAP_SPREAD: f64 = 0.9;
+const SCATTERED: f64 = 0.35;
 /// How much of the length a chip is bowed up at its ends.
 const BOW: f64 = 0.06;
 /// How far from the pith the wood of chips grew, radii: that of bark is dark.
@@ -60,6 +64,16 @@ impl BreakView<'_> {
     }
 }
 
+/// Draws the angle (rad) at which a chip lies about a piece.
+fn side(random: &impl Fn(i64) -> f64) -> f64 {
+    if random(21) < SCATTERED {
+        return TAU * random(1);
+    }
+    let heap = (HEAPS * random(1)).floor();
+    let middle = TAU * unit(PURPOSE, heap as i64, -1, 0);
+    middle + HEAP_SPREAD * (random(22) + random(23) - 1.0)
+}
+
 /// Chips on a floor.
 struct Fallen<'a> {
     view: &'a BreakView<'a>,
@@ -77,9 +91,9 @@ impl Fallen<'_> {
         let size = (radius / REFERENCE_RADIUS).sqrt();
         let size = size.clamp(SIZE_RANGE.0, SIZE_RANGE.1);
         let between = |(low, high): (f64, f64), part: f64| low + (high - low) * part;
-        let far = random(0) * random(0) * random(20);
+        let far = random(0) * random(20);
         let distance = between(DISTANCES, far) * 0.5 * self.view.width;
-        let place = middle + self.direction(TAU * random(1)) * distance;
+        let place = middle + self.direction(side(&random)) * distance;
         if place.distance(other) < DISTANCES.0 * 0.5 * self.view.width {
             return;
         }

@@ -112,13 +112,13 @@ const FURROWS: [FigureSize; 4] = [
     furrow(1.0, 5.0, 1.0, 0.34),
     furrow(0.47, 6.0, 0.50, 0.22),
     furrow(0.19, 9.0, 0.22, 0.20),
-    furrow(1.3, 0.6, 0.36, 0.06),
+    furrow(1.3, 0.6, 0.2, 0.06),
 ];
 /// Flakes, scales and dust between them.
 const FLAKES: [FigureSize; 4] = [
     figure(1.7, 2.0, 0.18),
-    figure(0.5, 1.6, 0.22),
-    figure(0.16, 1.3, 0.30),
+    figure(0.5, 1.6, 0.26),
+    figure(0.16, 1.3, 0.36),
     figure(0.055, 1.0, 0.34),
 ];
 /// How much the width of a furrow varies along it, and its least factor.
@@ -227,7 +227,9 @@ impl BarkAppearance {
             lichen.max((DUST + 0.3 * patch).clamp(0.0, DUST * 2.0)),
         );
         let furrow_color = DVec3::from_array(self.furrow_color);
-        let mut color = mix(furrow_color, weathered, ridge) * (1.0 + 1.3 * shade).max(0.15);
+        // Only the depths of furrows are dark: their sides are as weathered as ridges are.
+        let mut color =
+            mix(furrow_color, weathered, ridge.max(0.0).sqrt()) * (1.0 + 1.3 * shade).max(0.15);
         if self.lenticels > 0.0 {
             let stripes = (DVec3::splat(0.5 * width), 1.0 / 6.0);
             let (v, _) = self.noise((noises, LENTICEL_NOISE), seed ^ 4, place, stripes);

@@ -89,8 +89,9 @@ pub struct WoodAppearance {
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
-/// How much darker lines of latewood are on faces along the grain than across it, and how much higher they stand.
-const LINES_ALONG: f64 = 0.35;
+/// How much darker lines of latewood are than their colour, as their ridges catch the light, and how much higher they stand on faces
+/// along the grain than across it.
+const LATEWOOD_LINES: f64 = 1.35;
 const RIDGES_ALONG: f64 = 1.5;
 /// How much darker the gaps of hairline splits are: blue most, as light there went through wood.
 const SPLIT_DARKENING: DVec3 = DVec3::new(0.62, 0.70, 0.78);
@@ -99,10 +100,12 @@ const STREAKS_ACROSS: f64 = 0.5;
 /// How much less splits show across the grain, where a saw or a tear has filled them.
 const SPLIT_ACROSS: f64 = 0.65;
 /// Width of the cambium, a pale line between wood and bark, m, and how much it shows.
-const CAMBIUM_WIDTH: f64 = 0.28e-3;
+const CAMBIUM_WIDTH: f64 = 0.4e-3;
 const CAMBIUM_SHARE: f64 = 0.7;
 /// Cosines of the angle to the direction away from the pith between which a face begins to be one that bark came off.
 const PEELED: (f64, f64) = (0.15, 0.5);
+/// Distances beyond the inner bark, in ring coordinates, between which such faces end.
+const OUTSIDE: (f64, f64) = (0.006, 0.016);
 /// Tones of slivers between which those begin that inner bark sticks to.
 const BAST: (f64, f64) = (0.42, 0.62);
 /// How much of the wood strings of inner bark hide: they are thin.
@@ -130,8 +133,8 @@ impl WoodAppearance {
             latewood_color: srgb([182, 140, 96]),
             heartwood_color: srgb([209, 172, 129]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([150, 112, 82]),
-            cork_color: srgb([106, 80, 60]),
+            phloem_color: srgb([152, 108, 74]),
+            cork_color: srgb([88, 66, 50]),
             bark_color: None,
             bark_kind: None,
             latewood_contrast: 0.95,
@@ -246,9 +249,7 @@ impl WoodAppearance {
         );
         let late = latewood.darkness;
         let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
-        // Across the grain latewood is as dark as it is; along it, its ridges stand in lines that catch the light.
-        let lines = 1.0 + LINES_ALONG * (1.0 - end);
-        color *= mix(DVec3::ONE, darker, late * lines).max(DVec3::splat(0.1));
+        color *= mix(DVec3::ONE, darker, late * LATEWOOD_LINES).max(DVec3::splat(0.1));
         color *= 1.0 - END_GRAIN_DARKENING * end * (1.0 - 0.25 * late);
         color *= DVec3::ONE - DVec3::new(0.50, 0.58, 0.66) * vessel;
         // Rays shine pale across the end and as brown flecks along it.
@@ -330,8 +331,11 @@ impl WoodAppearance {
         let wide = CAMBIUM_WIDTH.max(footprint);
         let pale = (1.0 - smoothstep(0.3 * wide, wide, from_cambium)) * CAMBIUM_WIDTH / wide;
         let cambium = self.sapwood_color.map(|c| (1.12 * c).min(1.0));
-        // Bark comes off at the cambium: a face that looks outwards is wood, on which strings of inner bark are left.
-        let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards) * (1.0 - surface.end);
+        // Bark comes off at the cambium: a face that looks outwards there is wood, on which strings of inner bark are left. Farther
+        // out it is the side of a plate of bark.
+        let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards)
+            * (1.0 - surface.end)
+            * (1.0 - smoothstep(self.cork + OUTSIDE.0, self.cork + OUTSIDE.1, rho));
         let strings = BAST_SHARE * smoothstep(BAST.0, BAST.1, surface.tone + 0.35 * ragged);
         let left = |edge: f64| if edge == self.phloem { strings } else { 0.0 };
         for (edge, color, grain) in [

@@ -200,7 +200,7 @@ fn bark_comes_off_at_the_cambium() {
     let wood = &look.wood;
     let radius = 0.5 * (wood.phloem + wood.cork) * 0.05;
     // Faces in the inner bark that look outwards, and others that look sideways.
-    let mean = |turn: f64| -> f64 {
+    let mean_at = |radius: f64, turn: f64| -> f64 {
         let colour = |i: i32| {
             let angle = f64::from(i) * 0.0157;
             let grain = (DVec2::from_angle(angle) * radius).extend(0.3 + f64::from(i) * 1e-3);
@@ -231,7 +231,11 @@ fn bark_comes_off_at_the_cambium() {
         };
         (0..400).map(colour).sum::<f64>() / 400.0
     };
-    let [outwards, sideways, inwards] = [0.0, FRAC_PI_2, PI].map(mean);
+    let [outwards, sideways, inwards] = [0.0, FRAC_PI_2, PI].map(|turn| mean_at(radius, turn));
+    // The side of a plate of dead bark is bark, wherever it looks.
+    let outer = 0.05 * (wood.cork + 0.6 * (1.0 - wood.cork));
+    let [side, front] = [FRAC_PI_2, 0.0].map(|turn| mean_at(outer, turn));
+    assert!((front / side - 1.0).abs() < 0.1, "{front}, {side}");
     // Wood with strings of bark on it, beside bark.
     let sapwood = brightness(wood.sapwood_color);
     assert!(outwards > 1.5 * sideways, "{outwards}, {sideways}");
