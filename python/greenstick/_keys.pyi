@@ -310,7 +310,7 @@ class RequestAttributes:
     def coin(self, value: bool) -> None: ...
     @property
     def chips(self) -> bool:
-        """Strews chips of torn wood about an opened break."""
+        """Strews chips of torn wood about a break."""
     @chips.setter
     def chips(self, value: bool) -> None: ...
     @property

@@ -210,7 +210,8 @@ pub fn picture_of_break(
     context: &Context,
 ) -> Result<Picture, PictureError> {
     let woods = broken.woods.iter().map(Inside::new).collect();
-    let shader = StemShader::new(&broken.scene, woods, false)?;
+    // The outside of a piece that hangs faces elsewhere than it did on the stem.
+    let shader = StemShader::new(&broken.scene, woods, broken.hinge.is_some())?;
     // Only a stem with one break is opened for its picture.
     let [wood] = &broken.woods[..] else {
         let near = options.close_up.zip(broken.woods.first());
@@ -250,8 +251,9 @@ pub fn picture_of_break(
     } else if options.zoom.is_none() && options.shown.is_empty() {
         aim(broken, wood, &scene, &mut options);
     }
-    if is_opened && options.chips && broken.report.face.surface == "fibrous" {
-        (scene.nodes).push(view(broken, wood).chips(&options.shown, options.up));
+    let has_chips = options.chips && options.floor && broken.end.is_none();
+    if has_chips && broken.report.face.surface == "fibrous" {
+        (scene.nodes).push(view(broken, wood).chips(&options.shown, options.up, is_opened));
     }
     render_scene(&scene, &shader, &options, context)
 }

@@ -49,7 +49,7 @@ const KEY_LIGHT_COSINE: f32 = 0.9848;
 /// Cosine of the angular radius of the rim light (20°).
 const RIM_LIGHT_COSINE: f32 = 0.94;
 /// Radiance of the floor as seen from items: it returns the warm key light.
-const FLOOR_RADIANCE: Vec3 = Vec3::new(0.215, 0.19, 0.16);
+const FLOOR_RADIANCE: Vec3 = Vec3::new(0.205, 0.18, 0.15);
 
 impl Floor {
     /// The distance along a ray at which it meets the floor from above.
@@ -105,9 +105,9 @@ impl Studio {
             up: up.as_vec3(),
             lamps: [
                 Lamp::new(
-                    direction(-0.85, 0.8, 0.5),
+                    direction(-0.97, 0.82, 0.3),
                     KEY_LIGHT_COSINE,
-                    Vec3::new(3.95, 3.74, 3.36),
+                    Vec3::new(5.1, 4.83, 4.34),
                 ),
                 Lamp::new(
                     direction(0.85, 0.55, -0.75),
@@ -115,7 +115,7 @@ impl Studio {
                     Vec3::new(1.15, 1.22, 1.35),
                 ),
             ],
-            sky: [Vec3::new(0.205, 0.215, 0.235), FLOOR_RADIANCE * 0.7],
+            sky: [Vec3::new(0.155, 0.165, 0.185), FLOOR_RADIANCE * 0.7],
             floor: floor_level
                 .filter(is_below_camera)
                 .map(|level| Floor { level }),

@@ -96,7 +96,7 @@ parameters! {
             depth_of_field: f64 = 0.0, number(Unit::One, 0.0, 1.0);
             /// Lays a coin of one euro, 23 mm wide, in front of the wood, for scale.
             coin: bool = false, flag();
-            /// Strews chips of torn wood about an opened break.
+            /// Strews chips of torn wood about a break.
             chips: bool = true, flag();
         }
     }

@@ -23,7 +23,7 @@ fn chips_lie_on_the_floor_beside_the_pieces_and_are_of_their_wood() {
     let frame = wood.stem.grain.axis().frame(wood.stem.location);
     let (up, middle) = (frame.tangent, frame.origin);
     let level = middle.dot(up) - 0.2;
-    let node = view.chips(&[up * level, up], up);
+    let node = view.chips(&[up * level, up], up, true);
     let mesh = &node.mesh;
     let (closed, volume) = mesh.closed_volume();
     assert!(closed && volume.is_some_and(|v| v > 0.0), "{volume:?}");

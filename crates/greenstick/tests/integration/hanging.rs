@@ -3,8 +3,9 @@
 use glam::{DAffine3, DVec3};
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Mesh, Node, Scene};
+use greenstick::picture::{PictureOptions, View};
 use greenstick::wood::primitive;
-use greenstick::{Break, BreakRequest, break_scene, built_in_branch};
+use greenstick::{Break, BreakRequest, break_scene, built_in_branch, picture_of_break};
 
 fn board() -> Scene {
     Scene {
@@ -142,4 +143,40 @@ fn a_hinge_is_of_laths_of_many_widths_and_of_inner_bark_and_parts_do_not_leave_i
     assert!(straps > 10, "{straps}");
     let of = |part: f64| widths[(part * (widths.len() - 1) as f64) as usize];
     assert!(of(0.95) > 5.0 * of(0.1), "{} {}", of(0.95), of(0.1));
+}
+
+/// The bark of a piece that hangs faces up, as sawn ends do on a stem that stands.
+#[test]
+fn a_hanging_piece_is_shown_with_its_bark() {
+    let request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::single(Break {
+            recipe: Recipe::resolve(&["green-stick"], None, &[]).unwrap(),
+            ..Break::default()
+        })
+    };
+    let broken = break_scene(built_in_branch(), &request, &Context::quiet()).unwrap();
+    let options = PictureOptions {
+        width: 180,
+        height: 140,
+        samples: 4,
+        view: View::Direction {
+            azimuth: 30_f64.to_radians(),
+            elevation: 75_f64.to_radians(),
+        },
+        ..PictureOptions::default()
+    };
+    let picture = picture_of_break(&broken, &options, &Context::quiet()).unwrap();
+    let row = 3 * picture.width as usize;
+    let lower = picture.rgb.chunks(row).skip(picture.height as usize / 2);
+    let pixels = lower.flat_map(|row| row[..row.len() * 6 / 10].chunks(3));
+    let (mut bark, mut inside) = (0, 0);
+    for [red, blue] in pixels.map(|p| [p[0], p[2]].map(f64::from)) {
+        // The background is grey, bark nearly so; wood and inner bark are not.
+        let is_bare = red - blue > 0.35 * red;
+        inside += usize::from(is_bare);
+        bark += usize::from(!is_bare && red - blue > 14.0);
+    }
+    assert!(bark > 1000, "{bark}");
+    assert!(inside * 50 < bark, "{inside} of {bark}");
 }

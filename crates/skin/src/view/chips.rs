@@ -37,9 +37,9 @@ const PURPOSE: u64 = 0xc419;
 pub const FALLEN: &str = "_FALLEN";
 
 impl BreakView<'_> {
-    /// Returns chips of the wood inside that lie about both pieces of an opened break on the floor through the lowest of the points that
-    /// the picture shows; none where there are no such points.
-    pub fn chips(&self, shown: &[DVec3], up: DVec3) -> Node {
+    /// Returns chips of the wood inside that lie about both pieces of an opened break, of another about the lower one, on the floor
+    /// through the lowest of the points that the picture shows; none where there are no such points.
+    pub fn chips(&self, shown: &[DVec3], up: DVec3, is_opened: bool) -> Node {
         let level = shown
             .iter()
             .map(|p| p.dot(up))
@@ -54,10 +54,11 @@ impl BreakView<'_> {
         let on_floor = |middle: DVec3| middle + up * (level - middle.dot(up));
         let middles = self.piece_middles().map(on_floor);
         let count = if shown.is_empty() { 0 } else { COUNT };
-        for (piece, other) in [(0, 1), (1, 0)] {
+        for piece in 0..if is_opened { 2 } else { 1 } {
+            let other = is_opened.then_some(middles[1 - piece]);
             for number in 0..count {
                 let random = |k: i64| unit(PURPOSE, piece as i64, number, k);
-                fallen.add([middles[piece], middles[other]], random);
+                fallen.add(middles[piece], other, random);
             }
         }
         Node::new("chips", DAffine3::IDENTITY, fallen.finish())
@@ -85,8 +86,8 @@ struct Fallen<'a> {
 }
 
 impl Fallen<'_> {
-    /// Adds a chip beside a piece whose middle on the floor is given, and that of the other piece, in which none lies.
-    fn add(&mut self, [middle, other]: [DVec3; 2], random: impl Fn(i64) -> f64) {
+    /// Adds a chip beside a piece whose middle on the floor is given, and that of the other piece, if any, in which none lies.
+    fn add(&mut self, middle: DVec3, other: Option<DVec3>, random: impl Fn(i64) -> f64) {
         let radius = self.view.stem.radius;
         let size = (radius / REFERENCE_RADIUS).sqrt();
         let size = size.clamp(SIZE_RANGE.0, SIZE_RANGE.1);
@@ -94,7 +95,8 @@ impl Fallen<'_> {
         let far = random(0) * random(20);
         let distance = between(DISTANCES, far) * 0.5 * self.view.width;
         let place = middle + self.direction(side(&random)) * distance;
-        if place.distance(other) < DISTANCES.0 * 0.5 * self.view.width {
+        let nearest = DISTANCES.0 * 0.5 * self.view.width;
+        if other.is_some_and(|other| place.distance(other) < nearest) {
             return;
         }
         let long = random(2) * random(2) * random(3);
