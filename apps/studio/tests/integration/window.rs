@@ -347,7 +347,8 @@ fn sliders_at_their_ends_and_at_random_do_no_harm() {
         updates.push(start.elapsed().as_secs_f64());
     }
     while harness.state().project.history.undo_label().is_some() {
-        harness.state_mut().project.undo();
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.step();
     }
     settle(&mut harness);
     assert_eq!(harness.state().project.file, first);

@@ -163,13 +163,14 @@ impl Grid {
             }
             let members = &self.entries[self.starts[cell] as usize..self.starts[cell + 1] as usize];
             column.take(self, cell, (members, boxes), chosen);
-            column.pairs(members, boxes, |a, b| {
+            let visit = |a: u32, b: u32| {
                 let (a, b) = (a.min(b), a.max(b));
                 let [i, j] = [a, b].map(|i| i as usize);
                 if boxes[i].overlaps(&boxes[j]) && wanted(i, j) {
                     pairs.push([a, b]);
                 }
-            });
+            };
+            column.pairs((members, boxes), visit, context);
             (column, pairs)
         };
         let cells = (0..self.starts.len() - 1).into_par_iter();
@@ -243,21 +244,31 @@ impl Column {
         self.flags.extend([0; BLOCK]);
     }
 
-    /// Visits the pairs of members that overlap in `f32`, one of them chosen, of which this cell is the first in common.
-    fn pairs(&self, members: &[u32], boxes: &[Aabb], mut visit: impl FnMut(u32, u32)) {
+    /// Visits the pairs of members that overlap in `f32`, one of them chosen, of which this cell is the first in common, until the
+    /// caller cancels.
+    fn pairs(
+        &self,
+        (members, boxes): (&[u32], &[Aabb]),
+        mut visit: impl FnMut(u32, u32),
+        context: &Context,
+    ) {
         if self.chosen.is_empty() || members.len() < 2 {
             return;
         }
         if self.is_crowded(members.len()) {
             let boxes: Vec<Aabb> = members.iter().map(|&i| boxes[i as usize]).collect();
-            return Bvh::new(&boxes).self_pairs(|a, b| {
+            return Bvh::new(&boxes).self_pairs_while(|a, b| {
                 if self.flags[a] | self.flags[b] == ALL_FLAGS {
                     visit(members[a], members[b]);
                 }
+                context.check().is_ok()
             });
         }
         let mut chosen = &self.chosen[..];
         for a in 0..members.len() {
+            if context.check().is_err() {
+                return;
+            }
             let mut visit = |b: usize| visit(members[a], members[b]);
             if self.flags[a] & CHOSEN != 0 {
                 self.after(a, visit);
