@@ -237,6 +237,7 @@ pub fn picture_of_break(
         options.zoom = near.filter(|s| shown.is_empty() || is_nearer(s));
     } else if let (Some(end), None) = (broken.end, options.zoom) {
         // Cracks in a sawn end: that end, from above.
+        let end = view::moved_end(&scene, &broken.roles, end);
         options.zoom = Some(Sphere {
             centre: end.middle - end.outward * (0.2 * end.radius),
             radius: 1.5 * end.radius,

@@ -34,6 +34,8 @@ fn drawn() -> SectionPhotograph {
         face.set_text(key, value).unwrap();
     }
     let mut request = request(0.5, &face);
+    // The picture looks at the end where it has gone.
+    request.breaks[0].separation = 0.1;
     let recipe = &mut request.breaks[0].recipe;
     recipe.cracks.settings.end = CrackEnd::Sawn;
     recipe.cracks.settings.distortion = 0.0;

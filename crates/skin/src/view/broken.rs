@@ -1,5 +1,6 @@
 //! What a picture of a break shows: both faces and a stub of stem behind each.
 
+use crate::cracks::EndOfStem;
 use crate::finish::{NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Node, Scene};
@@ -232,13 +233,7 @@ impl BreakView<'_> {
     /// Returns a broken scene, whose nodes have these roles, with the upper piece turned over and set beside the lower, both
     /// faces up, however far they were moved apart.
     pub fn opened(&self, broken: &Scene, roles: &[NodeRole]) -> Scene {
-        let transform = |role| {
-            let at = roles.iter().position(|&r| r == NodeRole::Piece(role))?;
-            Some(broken.nodes[at].transform)
-        };
-        let moved = transform(PieceRole::Lower).zip(transform(PieceRole::Upper));
-        let back = moved.map_or(DAffine3::IDENTITY, |(lower, upper)| lower * upper.inverse());
-        let about = self.opening() * back;
+        let about = self.opening() * upper_motion(broken, roles).inverse();
         let mut scene = broken.clone();
         for (node, role) in scene.nodes.iter_mut().zip(roles) {
             match role {
@@ -278,5 +273,25 @@ impl BreakView<'_> {
         };
         let turn = DAffine3::from_axis_angle(about, std::f64::consts::PI);
         DAffine3::from_translation(centre + aside) * turn * DAffine3::from_translation(-centre)
+    }
+}
+
+/// Returns the motion of the upper piece of a broken scene, whose nodes have these roles, from where it grew.
+fn upper_motion(broken: &Scene, roles: &[NodeRole]) -> DAffine3 {
+    let transform = |role| {
+        let at = roles.iter().position(|&r| r == NodeRole::Piece(role))?;
+        Some(broken.nodes[at].transform)
+    };
+    let both = transform(PieceRole::Lower).zip(transform(PieceRole::Upper));
+    both.map_or(DAffine3::IDENTITY, |(lower, upper)| upper * lower.inverse())
+}
+
+/// Returns where the end of the upper piece of a broken scene lies, whose nodes have these roles.
+pub fn moved_end(broken: &Scene, roles: &[NodeRole], end: EndOfStem) -> EndOfStem {
+    let motion = upper_motion(broken, roles);
+    EndOfStem {
+        middle: motion.transform_point3(end.middle),
+        outward: motion.transform_vector3(end.outward),
+        ..end
     }
 }

@@ -4,6 +4,6 @@ mod broken;
 mod chips;
 mod wood;
 
-pub use broken::{BreakView, Sight, long_side};
+pub use broken::{BreakView, Sight, long_side, moved_end};
 pub use chips::FALLEN;
 pub use wood::{close_up, points_without_splinters};
