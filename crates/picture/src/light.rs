@@ -105,9 +105,9 @@ impl Studio {
             up: up.as_vec3(),
             lamps: [
                 Lamp::new(
-                    direction(-0.97, 0.82, 0.3),
+                    direction(-0.92, 0.81, 0.4),
                     KEY_LIGHT_COSINE,
-                    Vec3::new(5.1, 4.83, 4.34),
+                    Vec3::new(4.30, 4.07, 3.66),
                 ),
                 Lamp::new(
                     direction(0.85, 0.55, -0.75),
@@ -115,7 +115,7 @@ impl Studio {
                     Vec3::new(1.15, 1.22, 1.35),
                 ),
             ],
-            sky: [Vec3::new(0.155, 0.165, 0.185), FLOOR_RADIANCE * 0.7],
+            sky: [Vec3::new(0.200, 0.210, 0.230), FLOOR_RADIANCE * 0.7],
             floor: floor_level
                 .filter(is_below_camera)
                 .map(|level| Floor { level }),

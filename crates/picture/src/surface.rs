@@ -19,8 +19,8 @@ const SHEEN: f32 = 0.45;
 const SHEEN_WIDTH: f32 = 0.35;
 
 /// How much darker the floor is where things stand on it, for the cube of the share of the sky that they hide, and what is left at least.
-const CONTACT: f32 = 1.6;
-const LEAST_CONTACT: f32 = 0.22;
+const CONTACT: f32 = 1.2;
+const LEAST_CONTACT: f32 = 0.4;
 
 /// What a camera ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
