@@ -14,10 +14,12 @@ mod way;
 pub use broken_wood::BrokenWood;
 pub use budget::{added_triangles, within_budget};
 pub use finished_break::FinishedBreak;
+#[cfg(feature = "rods")]
 pub(crate) use parting::Parted;
 pub use parting::Separation;
 pub use piece::{Piece, PieceRole, Pieces};
 pub use pieces::{FinishOptions, finish};
 pub use report::{BreakInput, break_notes, break_report};
 pub use scene::{AssembledBreaks, NodeRole, assemble, left_at_base};
+#[cfg(feature = "rods")]
 pub(crate) use way::{Half, Way};
