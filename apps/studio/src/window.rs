@@ -143,25 +143,20 @@ fn open(
         ..eframe::NativeOptions::default()
     };
     let create = |creation: &eframe::CreationContext<'_>| {
-        let ctx = &creation.egui_ctx;
-        *present.lock().unwrap_or_else(PoisonError::into_inner) = Some(ctx.clone());
-        let studio = &mut *held.borrow_mut();
-        match studio {
-            Some(studio) => studio.go_on(ctx),
-            None => {
-                let present = present.clone();
-                let wake = Arc::new(move || {
-                    let present = present.lock().unwrap_or_else(PoisonError::into_inner);
-                    if let Some(ctx) = &*present {
-                        ctx.request_repaint();
-                    }
-                });
-                let platform = Native::new(config_folder(), wake);
-                *studio = Some(Studio::new(ctx, Box::new(platform), path));
-            }
-        }
-        if let (Some(studio), Some(state)) = (studio, &creation.wgpu_render_state) {
-            studio.use_card(ctx, state);
+        let now = creation.egui_ctx.clone();
+        *present.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
+        Studio::show_in(&mut held.borrow_mut(), creation, |ctx| {
+            let present = present.clone();
+            let wake = Arc::new(move || {
+                let present = present.lock().unwrap_or_else(PoisonError::into_inner);
+                if let Some(ctx) = &*present {
+                    ctx.request_repaint();
+                }
+            });
+            let platform = Native::new(config_folder(), wake);
+            Studio::new(ctx, Box::new(platform), path)
+        });
+        if let Some(state) = &creation.wgpu_render_state {
             on_card(&state.device);
         }
         let shown: Box<dyn eframe::App> = Box::new(Shown(held.clone()));

@@ -9,6 +9,22 @@ use eframe::egui_wgpu::RenderState;
 use std::sync::{Arc, Mutex, PoisonError};
 
 impl Studio {
+    /// Shows the studio that is held, or a new one, in a window or on a canvas that was just made.
+    pub fn show_in(
+        held: &mut Option<Studio>,
+        creation: &eframe::CreationContext,
+        new: impl FnOnce(&egui::Context) -> Studio,
+    ) {
+        let ctx = &creation.egui_ctx;
+        match held {
+            Some(studio) => studio.go_on(ctx),
+            None => *held = Some(new(ctx)),
+        }
+        if let (Some(studio), Some(state)) = (held, &creation.wgpu_render_state) {
+            studio.use_card(ctx, state);
+        }
+    }
+
     /// Draws on the card of a window, and notices when it is lost.
     pub fn use_card(&mut self, ctx: &egui::Context, state: &RenderState) {
         let renderer = Renderer::new(&state.device, &state.queue, state.target_format);
@@ -83,6 +99,7 @@ impl Studio {
         self.photograph.picture = None;
         self.anatomy.board = None;
         self.anatomy.held = None;
+        self.anatomy.pith_held = None;
         self.anatomy.holds_section = false;
         self.cracks.held = None;
         self.fans.held = None;

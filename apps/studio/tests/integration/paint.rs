@@ -35,14 +35,20 @@ fn sides(grid: &HeightGrid, values: &[f64], angle: f64) -> [f64; 2] {
     })
 }
 
-#[test]
-fn strokes_on_the_face_say_what_stays_and_what_splinters() {
-    let folder = Folder::new();
-    let mut harness = studio(&folder, None);
+/// A studio that paints on the broken face, seen from above.
+fn painting(folder: &Folder) -> Harness<'static, Studio> {
+    let mut harness = studio(folder, None);
     settle(&mut harness);
     harness.key_press(Key::Num7);
     harness.key_press(Key::B);
     harness.run_steps(2);
+    harness
+}
+
+#[test]
+fn strokes_on_the_face_say_what_stays_and_what_splinters() {
+    let folder = Folder::new();
+    let mut harness = painting(&folder);
     let stroke = |harness: &mut Harness<'static, Studio>| {
         let (from, to) = (place(harness, 0.3, 1.0), place(harness, 0.8, 1.0));
         drag(harness, from, to);
@@ -85,11 +91,7 @@ fn strokes_on_the_face_say_what_stays_and_what_splinters() {
 #[test]
 fn a_painted_face_follows_its_plane_and_its_layers() {
     let folder = Folder::new();
-    let mut harness = studio(&folder, None);
-    settle(&mut harness);
-    harness.key_press(Key::Num7);
-    harness.key_press(Key::B);
-    harness.run_steps(2);
+    let mut harness = painting(&folder);
     let (from, to) = (place(&mut harness, 0.3, 1.0), place(&mut harness, 0.8, 1.0));
     drag(&mut harness, from, to);
     settle(&mut harness);
@@ -228,11 +230,7 @@ fn painting_a_fine_face_leaves_the_window_quick() {
 #[test]
 fn a_stroke_with_ctrl_does_the_opposite_and_beside_the_stem_the_picture_turns() {
     let folder = Folder::new();
-    let mut harness = studio(&folder, None);
-    settle(&mut harness);
-    harness.key_press(Key::Num7);
-    harness.key_press(Key::B);
-    harness.run_steps(2);
+    let mut harness = painting(&folder);
     let corner = eframe::egui::pos2(330.0, 640.0);
     drag(&mut harness, corner, corner + eframe::egui::vec2(3.0, 0.0));
     assert_eq!(harness.state().project.file, RequestFile::default());

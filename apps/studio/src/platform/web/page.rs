@@ -68,24 +68,16 @@ async fn open() {
         PAGE.with_borrow(|p| (p.studio.clone(), p.present.clone(), p.machine));
     let Some(machine) = machine else { return };
     let create: eframe::AppCreator = Box::new(move |creation| {
-        let ctx = &creation.egui_ctx;
-        *present.borrow_mut() = Some(ctx.clone());
-        let studio = &mut *held.borrow_mut();
-        match studio {
-            Some(studio) => studio.go_on(ctx),
-            None => {
-                let present = present.clone();
-                let wake = Rc::new(move || {
-                    if let Some(ctx) = &*present.borrow() {
-                        ctx.request_repaint();
-                    }
-                });
-                *studio = Some(Studio::new(ctx, machine(wake), None));
-            }
-        }
-        if let (Some(studio), Some(state)) = (studio, &creation.wgpu_render_state) {
-            studio.use_card(ctx, state);
-        }
+        *present.borrow_mut() = Some(creation.egui_ctx.clone());
+        Studio::show_in(&mut held.borrow_mut(), creation, |ctx| {
+            let present = present.clone();
+            let wake = Rc::new(move || {
+                if let Some(ctx) = &*present.borrow() {
+                    ctx.request_repaint();
+                }
+            });
+            Studio::new(ctx, machine(wake), None)
+        });
         Ok(Box::new(Shown(held.clone())))
     });
     let runner = eframe::WebRunner::new();
