@@ -134,7 +134,8 @@ fn rods(run: &mut Run, request: &ResolvedRequest, context: &Context) -> Result<M
     let mut still = run.at_rest(last, &how, context).map_err(Failure::from)?;
     let common = &request.file.common;
     let by = Separation::new(common.separation, common.part_clear);
-    run.part(&mut still, last, by).map_err(Failure::from)?;
+    run.part(&mut still, last, by, context)
+        .map_err(Failure::from)?;
     Ok(Made::Rods(Box::new(still)))
 }
 

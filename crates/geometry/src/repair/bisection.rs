@@ -152,11 +152,15 @@ impl EdgeBisector {
 }
 
 /// Returns the pairs of triangles that cross, ascending; with `changed`, only pairs with at least one of these.
+///
+/// # Errors
+/// [`Cancelled`] where the caller cancelled.
 pub fn crossing_pairs(
     positions: &[DVec3],
     triangles: &[[u32; 3]],
     changed: Option<&[u32]>,
-) -> Vec<[u32; 2]> {
+    context: &Context,
+) -> Result<Vec<[u32; 2]>, Cancelled> {
     let Some(changed) = changed else {
         let all = Mesh {
             positions: positions.to_vec(),
@@ -164,8 +168,7 @@ pub fn crossing_pairs(
             ..Mesh::default()
         };
         let (count, boxes) = (triangles.len(), contact_boxes(&all));
-        let pairs = crossing_pairs_within(positions, triangles, count, &boxes, &Context::quiet());
-        return pairs.unwrap_or_default();
+        return crossing_pairs_within(positions, triangles, count, &boxes, context);
     };
     let mut pairs = Vec::new();
     // Few have changed, mostly: a tree of those alone is quickly built.
@@ -173,6 +176,7 @@ pub fn crossing_pairs(
     let boxes: Vec<Aabb> = changed.iter().map(|&t| Aabb::around(&corners(t))).collect();
     let tree = Bvh::new(&boxes);
     for t in 0..triangles.len() as u32 {
+        context.check()?;
         let place = corners(t);
         tree.overlapping(&Aabb::around(&place), |i| {
             let s = changed[i];
@@ -183,7 +187,7 @@ pub fn crossing_pairs(
     }
     pairs.sort_unstable();
     pairs.dedup();
-    pairs
+    Ok(pairs)
 }
 
 /// Returns the pairs of triangles that cross and at least one of which is among the first `count`, ascending. `boxes` has

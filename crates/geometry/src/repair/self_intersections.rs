@@ -261,7 +261,8 @@ fn collapse_faults(
             &collapser.positions,
             &collapser.triangles,
             Some(&changed),
-        ));
+            context,
+        )?);
         faults.retain(|p| {
             p.iter().all(|&t| is_ours[t as usize]) && (p[0] != p[1] || is_faulty(collapser, p[0]))
         });

@@ -90,7 +90,10 @@ impl Untangler<'_> {
             changed.sort_unstable();
             changed.dedup();
             pairs.retain(|p| p.iter().all(|t| changed.binary_search(t).is_err()));
-            let now = crossing_pairs(self.positions, self.triangles, Some(&changed));
+            let now = crossing_pairs(self.positions, self.triangles, Some(&changed), self.context);
+            let Ok(now) = now else {
+                break;
+            };
             pairs.extend(now);
             pairs.sort_unstable();
             pairs.dedup();
@@ -307,7 +310,7 @@ mod tests {
         let (mut positions, triangles, upper) = two_sheets(0.125);
         let spike = 12;
         positions[spike].z = 0.25;
-        let mut pairs = crossing_pairs(&positions, &triangles, None);
+        let mut pairs = crossing_pairs(&positions, &triangles, None, &Context::quiet()).unwrap();
         assert!(!pairs.is_empty());
         let before = positions.clone();
         let done = Untangler {
@@ -319,7 +322,11 @@ mod tests {
         }
         .untangle(&mut pairs);
         assert!(pairs.is_empty(), "{pairs:?}");
-        assert!(crossing_pairs(&positions, &triangles, None).is_empty());
+        assert!(
+            crossing_pairs(&positions, &triangles, None, &Context::quiet())
+                .unwrap()
+                .is_empty()
+        );
         assert!(done.farthest > 0.0 && done.farthest <= 0.5);
         for (v, (now, then)) in positions.iter().zip(&before).enumerate() {
             let moved = done.moved.binary_search(&(v as u32)).is_ok();
@@ -338,7 +345,7 @@ mod tests {
         positions.push(DVec3::new(2.0, 2.0, 0.0));
         positions.extend([DVec3::new(2.0, 2.0, -1.0), DVec3::new(3.0, 2.0, -1.0)]);
         triangles.push([50, 51, 52]);
-        let mut pairs = crossing_pairs(&positions, &triangles, None);
+        let mut pairs = crossing_pairs(&positions, &triangles, None, &Context::quiet()).unwrap();
         Untangler {
             positions: &mut positions,
             triangles: &triangles,
@@ -357,7 +364,7 @@ mod tests {
     fn crossings_of_what_is_not_free_are_left() {
         let (mut positions, triangles, _) = two_sheets(0.125);
         positions[12].z = 0.25;
-        let mut pairs = crossing_pairs(&positions, &triangles, None);
+        let mut pairs = crossing_pairs(&positions, &triangles, None, &Context::quiet()).unwrap();
         let (before, found) = (positions.clone(), pairs.clone());
         let done = Untangler {
             positions: &mut positions,

@@ -6,6 +6,7 @@ use greenstick::geometry::{Context, Mesh, Node, Scene};
 use greenstick::picture::{PictureOptions, View};
 use greenstick::wood::primitive;
 use greenstick::{Break, BreakRequest, break_scene, built_in_branch, picture_of_break};
+use std::collections::BTreeSet;
 
 fn board() -> Scene {
     Scene {
@@ -82,27 +83,14 @@ fn a_hanging_piece_touches_the_other_nowhere_and_stays_at_its_hinge() {
 
 /// Numbers of the vertices of each shell of a mesh, ascending.
 fn shells(mesh: &Mesh) -> Vec<Vec<usize>> {
-    let mut of: Vec<usize> = (0..mesh.positions.len()).collect();
-    fn find(of: &mut [usize], mut at: usize) -> usize {
-        while of[at] != at {
-            of[at] = of[of[at]];
-            at = of[at];
-        }
-        at
+    let found = mesh.shells();
+    let mut shells = vec![BTreeSet::new(); found.count];
+    for (corners, shell) in mesh.triangles.iter().zip(found.of_triangle) {
+        shells[shell as usize].extend(corners.map(|v| v as usize));
     }
-    for &[a, b, c] in &mesh.triangles {
-        for v in [b, c] {
-            let (one, other) = (find(&mut of, a as usize), find(&mut of, v as usize));
-            of[one.max(other)] = one.min(other);
-        }
-    }
-    let mut shells = vec![Vec::new(); of.len()];
-    for v in 0..of.len() {
-        let first = find(&mut of, v);
-        shells[first].push(v);
-    }
-    shells.retain(|shell| !shell.is_empty());
-    shells
+    (shells.into_iter())
+        .map(|vertices| vertices.into_iter().collect())
+        .collect()
 }
 
 /// Laths between the pieces are of many widths, lie beside each other at one end and apart in the middle, and straps of inner bark lie

@@ -13,12 +13,13 @@ impl Run {
     /// The report says where that is farther than asked for.
     ///
     /// # Errors
-    /// [`FilmError`] where the frame cannot be read.
+    /// [`FilmError`] where the frame cannot be read, or the caller cancelled.
     pub fn part(
         &self,
         still: &mut Still,
         number: usize,
         asked: Separation,
+        context: &Context,
     ) -> Result<(), FilmError> {
         let nodes = &still.scene.nodes;
         let named = |name: &str| nodes.iter().position(|n| n.name == name);
@@ -44,7 +45,8 @@ impl Run {
             inner: still.inner,
         };
         let halves = [&half(&below, at_rest), &half(&above, moved)];
-        let parted = Parted::of(&way, asked, halves, &Context::quiet());
+        let parted = Parted::of(&way, asked, halves, context);
+        context.check()?;
         let motion = way.after(parted.way);
         for (number, node) in still.scene.nodes.iter_mut().enumerate() {
             if number == upper || node.parent == Some(upper) {

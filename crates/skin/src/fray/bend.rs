@@ -9,7 +9,7 @@ use crate::prepared::PreparedStem;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::surface::FractureSurface;
 use greenstick_geometry::repair::{EdgeBisector, crossing_pairs};
-use greenstick_geometry::{Aabb, Mesh};
+use greenstick_geometry::{Aabb, Cancelled, Context, Mesh};
 use greenstick_wood::noise::{GradientNoise2d, smoothstep};
 use greenstick_wood::stem::LayeredGrain;
 
@@ -146,23 +146,32 @@ impl<'a> Bend<'a> {
     }
 
     /// The mesh, bent, and how.
-    pub(super) fn apply(mut self, mesh: &Mesh) -> (Mesh, BendReport) {
+    pub(super) fn apply(
+        mut self,
+        mesh: &Mesh,
+        context: &Context,
+    ) -> Result<(Mesh, BendReport), Cancelled> {
         let mut done = BendReport::default();
         for attempt in 0..=MAX_WEAKENINGS {
             let last = attempt == MAX_WEAKENINGS;
-            let (straight, positions) = self.straight(mesh, &mut done);
+            let (straight, positions) = self.straight(mesh, &mut done, context)?;
             if done.remaining == 0 || last {
                 done.amount = self.amount;
-                return (self.bent(straight, positions), done);
+                return Ok((self.bent(straight, positions), done));
             }
             self.amount *= WEAKENING;
         }
-        (mesh.clone(), done)
+        Ok((mesh.clone(), done))
     }
 
     /// The mesh before it is bent, in triangles so small that it can be: bisected where they would cross when bent. Also
     /// the positions of its vertices when bent.
-    fn straight(&self, mesh: &Mesh, done: &mut BendReport) -> (Mesh, Vec<DVec3>) {
+    fn straight(
+        &self,
+        mesh: &Mesh,
+        done: &mut BendReport,
+        context: &Context,
+    ) -> Result<(Mesh, Vec<DVec3>), Cancelled> {
         // Long triangles along the grain are split, so that they bend instead of leaning.
         let over = |place: DVec3| self.over(self.grain(place));
         let mut mesh = split_at_levels(mesh, &over, LEVEL_SPACING);
@@ -189,7 +198,7 @@ impl<'a> Bend<'a> {
             .filter(|&t| around(&mesh.triangles[t as usize]).overlaps(&reach))
             .collect();
         let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
-        let mut pairs = crossing_pairs(&bent, &triangles, None);
+        let mut pairs = crossing_pairs(&bent, &triangles, None, context)?;
         for t in pairs.iter_mut().flatten() {
             *t = near[*t as usize];
         }
@@ -199,7 +208,7 @@ impl<'a> Bend<'a> {
         let pairs_at_first = pairs.len();
         (done.bisected, done.remaining) = (0, pairs_at_first);
         if pairs.is_empty() {
-            return (mesh, bent);
+            return Ok((mesh, bent));
         }
         let mut bisector =
             EdgeBisector::new(std::mem::take(&mut mesh.triangles), points, count as u32);
@@ -224,7 +233,12 @@ impl<'a> Bend<'a> {
             changed.sort_unstable();
             changed.dedup();
             pairs.retain(|p| p.iter().all(|t| changed.binary_search(t).is_err()));
-            pairs.extend(crossing_pairs(&bent, &bisector.triangles, Some(&changed)));
+            pairs.extend(crossing_pairs(
+                &bent,
+                &bisector.triangles,
+                Some(&changed),
+                context,
+            )?);
             pairs.sort_unstable();
             pairs.dedup();
             done.remaining = pairs.len();
@@ -238,7 +252,7 @@ impl<'a> Bend<'a> {
             mesh.materials = of.collect();
         }
         mesh.triangles = bisector.triangles;
-        (mesh, bent)
+        Ok((mesh, bent))
     }
 
     /// The mesh with its vertices moved to `positions` and their normals turned.

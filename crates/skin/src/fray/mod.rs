@@ -91,11 +91,11 @@ impl FrayedBreak<'_> {
         let LoosenedPieces { pieces, splinters } = self.loosened()?;
         let bend = |upper: bool| {
             let mesh = &pieces[usize::from(upper)];
-            let (bent, mut report) = self.bend(upper).apply(mesh);
+            let (bent, mut report) = self.bend(upper).apply(mesh, self.context)?;
             report.volume_change = bent.volume() / mesh.volume() - 1.0;
-            (bent, report)
+            Ok::<_, BreakError>((bent, report))
         };
-        let ((lower, of_lower), (upper, of_upper)) = (bend(false), bend(true));
+        let ((lower, of_lower), (upper, of_upper)) = (bend(false)?, bend(true)?);
         // Around the stem in the order in which they stood, so that they do not fall on each other.
         let bundles = &self.layout.bundles.bundles;
         let angle = |s: &Splinter| bundles[s.cell as usize].phi.rem_euclid(TAU);

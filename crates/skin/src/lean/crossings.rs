@@ -3,7 +3,7 @@
 use super::motion::Spot;
 use glam::DVec3;
 use greenstick_geometry::repair::crossing_pairs;
-use greenstick_geometry::{Aabb, Mesh};
+use greenstick_geometry::{Aabb, Cancelled, Context, Mesh};
 
 /// The triangles of a piece that may cross when splinters lean, and the pairs that do.
 pub(super) struct Crossings {
@@ -16,7 +16,12 @@ pub(super) struct Crossings {
 
 impl Crossings {
     /// Finds them for vertices at `bent`.
-    pub fn new(mesh: &Mesh, spots: &[Spot], bent: &[DVec3]) -> Self {
+    pub fn new(
+        mesh: &Mesh,
+        spots: &[Spot],
+        bent: &[DVec3],
+        context: &Context,
+    ) -> Result<Self, Cancelled> {
         let can_move = |t: &[u32; 3]| t.iter().any(|&v| spots[v as usize].cell.is_some());
         let around = |t: &[u32; 3]| {
             let straight = Aabb::around(&t.map(|v| mesh.positions[v as usize]));
@@ -30,11 +35,11 @@ impl Crossings {
         let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
         let mut found = Crossings {
             moves: triangles.iter().map(can_move).collect(),
-            pairs: crossing_pairs(bent, &triangles, None),
+            pairs: crossing_pairs(bent, &triangles, None, context)?,
             triangles,
         };
         found.leave_out_faults_of_the_input();
-        found
+        Ok(found)
     }
 
     fn leave_out_faults_of_the_input(&mut self) {
@@ -43,18 +48,24 @@ impl Crossings {
     }
 
     /// Brings the pairs up to date after vertices have moved from the first positions to the second.
-    pub fn update(&mut self, before: &[DVec3], bent: &[DVec3]) {
+    pub fn update(
+        &mut self,
+        before: &[DVec3],
+        bent: &[DVec3],
+        context: &Context,
+    ) -> Result<(), Cancelled> {
         let moved = |t: &[u32; 3]| t.iter().any(|&v| bent[v as usize] != before[v as usize]);
         let changed: Vec<u32> = (self.triangles.iter().zip(0..))
             .filter_map(|(t, number)| moved(t).then_some(number))
             .collect();
         let kept = |p: &[u32; 2]| p.iter().all(|t| changed.binary_search(t).is_err());
         self.pairs.retain(kept);
-        let found = crossing_pairs(bent, &self.triangles, Some(&changed));
+        let found = crossing_pairs(bent, &self.triangles, Some(&changed), context)?;
         self.pairs.extend(found);
         self.pairs.sort_unstable();
         self.pairs.dedup();
         self.leave_out_faults_of_the_input();
+        Ok(())
     }
 
     /// The vertices of each pair of triangles that cross.

@@ -212,7 +212,7 @@ impl Map<'_> {
         context: &Context,
     ) -> Result<Vec<DVec3>, Cancelled> {
         let mut bent = self.bent(mesh, spots, motion);
-        let mut crossings = Crossings::new(mesh, spots, &bent);
+        let mut crossings = Crossings::new(mesh, spots, &bent, context)?;
         for round in 0..ROUNDS {
             context.check()?;
             let torn = self.torn(mesh, spots, motion);
@@ -229,7 +229,7 @@ impl Map<'_> {
                 break;
             }
             let before = std::mem::replace(&mut bent, self.bent(mesh, spots, motion));
-            crossings.update(&before, &bent);
+            crossings.update(&before, &bent, context)?;
         }
         // Whatever it is, it is no longer the motion.
         motion.stop();

@@ -273,8 +273,7 @@ impl<'a> Face<'a> {
             if pairs.is_empty() || tangled || pairs.len() > GROWTH * fewest || since == PATIENCE {
                 break;
             }
-            pairs = self.bisect(pairs, &mut done);
-            context.check()?;
+            pairs = self.bisect(pairs, &mut done, context)?;
             self.untangle(&mut pairs, MAX_MOVE_RADII * radius, &mut done, context)?;
             since = if pairs.len() < fewest { 0 } else { since + 1 };
             fewest = fewest.min(pairs.len());
@@ -366,7 +365,7 @@ impl<'a> Face<'a> {
             for n in pairs.iter_mut().flatten() {
                 *n = limb[*n as usize];
             }
-            let others = crossing_pairs(&self.positions, &all, Some(&off_limb));
+            let others = crossing_pairs(&self.positions, &all, Some(&off_limb), context)?;
             pairs.extend(self.of_face(others, count));
             pairs.sort_unstable();
         }
@@ -380,7 +379,12 @@ impl<'a> Face<'a> {
     }
 
     /// Bisects what crosses; returns the pairs that remain.
-    fn bisect(&mut self, mut pairs: Vec<[u32; 2]>, done: &mut SpiralRepair) -> Vec<[u32; 2]> {
+    fn bisect(
+        &mut self,
+        mut pairs: Vec<[u32; 2]>,
+        done: &mut SpiralRepair,
+        context: &Context,
+    ) -> Result<Vec<[u32; 2]>, Cancelled> {
         let ids = (0..self.positions.len() as u32).collect();
         let mut bisector = EdgeBisector::new(
             std::mem::take(&mut self.cut.cap),
@@ -428,12 +432,12 @@ impl<'a> Face<'a> {
             .map(|p| p.map(|t| if t as usize >= before { t + shift } else { t }));
         let kept = unchanged.filter(|p| p.iter().all(|&t| list.binary_search(&t).is_err()));
         let mut now: Vec<[u32; 2]> = kept.collect();
-        now.extend(crossing_pairs(&self.positions, &all, Some(&list)));
+        now.extend(crossing_pairs(&self.positions, &all, Some(&list), context)?);
         now.sort_unstable();
         now.dedup();
         pairs = self.of_face(now, count);
         self.take(&bisector, &mut pairs);
-        pairs
+        Ok(pairs)
     }
 
     /// Bisects edges of the face from outline to outline that run closely below the skin, where they have no vertex that
