@@ -22,7 +22,7 @@ pub enum BreakError {
     },
     /// Cracks cannot be made.
     #[error(transparent)]
-    Crack(#[from] CrackError),
+    Crack(CrackError),
     /// The pieces may not have as few triangles.
     #[error("{most} triangles are too few for this break: even the coarsest face adds {least}")]
     TooFewTriangles {
@@ -34,4 +34,13 @@ pub enum BreakError {
     /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+impl From<CrackError> for BreakError {
+    fn from(error: CrackError) -> Self {
+        match error {
+            CrackError::Cancelled(cancelled) => BreakError::Cancelled(cancelled),
+            error => BreakError::Crack(error),
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! Errors of cracks.
 
+use greenstick_geometry::Cancelled;
+
 /// Why cracks could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CrackError {
@@ -35,4 +37,7 @@ pub enum CrackError {
         /// Points found.
         found: usize,
     },
+    /// The caller cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }

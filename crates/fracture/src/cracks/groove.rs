@@ -13,6 +13,7 @@ use super::profile::{relative_depth, relative_opening};
 use super::refine::Refined;
 use crate::surface::{FractureSurface, SectionLayout};
 use glam::DVec2;
+use greenstick_geometry::{Cancelled, Context};
 use greenstick_wood::rings::RingField;
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
@@ -86,19 +87,29 @@ struct Strip {
     bounds: (DVec2, DVec2),
 }
 
+/// A crack whose lines are drawn into the surface.
+struct DrawnCrack {
+    /// Its number in the plan.
+    number: usize,
+    strip: Strip,
+    /// Depth of the nodes on its lines, m.
+    exact: FxHashMap<u32, f64>,
+}
+
 /// Sinks the cracks of `plan` into a break surface. For the piece below the face give [`Direction::Down`], for the one
 /// above [`Direction::Up`], and cut once with each.
 ///
 /// # Errors
-/// [`CrackError`] where the stem makes no sense.
+/// [`CrackError`] where the stem makes no sense, or the caller cancelled.
 pub fn grooves(
     plan: &CrackPlan,
     field: &RingField,
     surface: &FractureSurface,
     direction: Direction,
     site: &CrackSite,
+    context: &Context,
 ) -> Result<GroovedSurface, CrackError> {
-    sink(plan, field, surface, direction, site, 0.0)
+    sink(plan, field, surface, (direction, 0.0), site, context)
 }
 
 /// A surface that lies beyond the end of a stem but for the grooves of its cracks. Cutting along it leaves the stem
@@ -112,6 +123,7 @@ pub fn end_grooves(
     layout: &Arc<SectionLayout>,
     end: &EndFace,
     site: &CrackSite,
+    context: &Context,
 ) -> Result<GroovedSurface, CrackError> {
     let (direction, beyond) = if end.far {
         (Direction::Down, end.clearance)
@@ -127,16 +139,17 @@ pub fn end_grooves(
             .map(|f| f.map(|n| heights[n as usize]))
             .collect(),
     };
-    sink(plan, field, &surface, direction, site, end.clearance)
+    let clearance = end.clearance;
+    sink(plan, field, &surface, (direction, clearance), site, context)
 }
 
 fn sink(
     plan: &CrackPlan,
     field: &RingField,
     surface: &FractureSurface,
-    direction: Direction,
+    (direction, clearance): (Direction, f64),
     site: &CrackSite,
-    clearance: f64,
+    context: &Context,
 ) -> Result<GroovedSurface, CrackError> {
     let (low, high) = site.usable;
     if !(site.radius > 0.0 && site.radius.is_finite() && low < high && site.level > 0.0) {
@@ -159,8 +172,9 @@ fn sink(
         widest: 0.0,
     };
     let mut refined = Refined::new(surface, SNAP_DISTANCE * site.radius);
-    let mut drawn: Vec<(usize, Strip, FxHashMap<u32, f64>)> = Vec::new();
+    let mut drawn: Vec<DrawnCrack> = Vec::new();
     for (number, crack) in plan.cracks.iter().enumerate() {
+        context.check()?;
         let widest = widest(crack, field, site.radius);
         if widest < MIN_OPENING * site.radius || crack.depth <= 0.0 {
             grooved.closed += 1;
@@ -174,11 +188,15 @@ fn sink(
             grooved.undrawn += 1;
             continue;
         };
-        drawn.push((number, strip, exact));
+        drawn.push(DrawnCrack {
+            number,
+            strip,
+            exact,
+        });
         grooved.cracks += 1;
         grooved.widest = grooved.widest.max(widest);
     }
-    lower(&mut refined, &drawn, direction, site, &mut grooved);
+    lower(&mut refined, &drawn, direction, site, &mut grooved, context)?;
     grooved.deepest = (grooved.deepest - clearance).max(0.0);
     grooved.surface = refined.finish();
     Ok(grooved)
@@ -397,28 +415,62 @@ fn within([a, b, c]: [(DVec2, f64); 3], p: DVec2) -> Option<f64> {
     (u >= 0.0 && v >= 0.0 && w >= 0.0).then_some(a.1 * u + b.1 * v + c.1 * w)
 }
 
+/// Points in order of their first coordinate, to find those about a strip.
+struct SortedPoints {
+    /// Number and place of each.
+    points: Vec<(u32, DVec2)>,
+}
+
+impl SortedPoints {
+    fn new(points: impl Iterator<Item = (u32, DVec2)>) -> Self {
+        let mut points: Vec<(u32, DVec2)> = points.collect();
+        points.sort_unstable_by(|a, b| a.1.x.total_cmp(&b.1.x));
+        SortedPoints { points }
+    }
+
+    /// Those that may lie in a strip.
+    fn about(&self, strip: &Strip) -> &[(u32, DVec2)] {
+        let from = self.points.partition_point(|p| p.1.x < strip.bounds.0.x);
+        let to = self.points.partition_point(|p| p.1.x <= strip.bounds.1.x);
+        self.points.get(from..to).unwrap_or_default()
+    }
+}
+
+/// Depth of the deepest crack at every node, m.
+fn depths(
+    refined: &Refined,
+    drawn: &[DrawnCrack],
+    context: &Context,
+) -> Result<Vec<f64>, Cancelled> {
+    let mut depths = vec![0.0_f64; refined.nodes.len()];
+    let nodes = SortedPoints::new((0..).zip(refined.nodes.iter().copied()));
+    for crack in drawn {
+        context.check()?;
+        for (&n, &deep) in &crack.exact {
+            let known = &mut depths[n as usize];
+            *known = known.max(deep);
+        }
+        for &(n, p) in nodes.about(&crack.strip) {
+            if !crack.exact.contains_key(&n) {
+                let known = &mut depths[n as usize];
+                *known = known.max(crack.strip.depth(p).0);
+            }
+        }
+    }
+    Ok(depths)
+}
+
 /// Lowers (or lifts) the corners of all facets.
 fn lower(
     refined: &mut Refined,
-    drawn: &[(usize, Strip, FxHashMap<u32, f64>)],
+    drawn: &[DrawnCrack],
     direction: Direction,
     site: &CrackSite,
     grooved: &mut GroovedSurface,
-) {
-    let depths: Vec<f64> = refined
-        .nodes
-        .iter()
-        .enumerate()
-        .map(|(n, &p)| {
-            drawn
-                .iter()
-                .map(|(_, strip, exact)| match exact.get(&(n as u32)) {
-                    Some(&deep) => deep,
-                    None => strip.depth(p).0,
-                })
-                .fold(0.0, f64::max)
-        })
-        .collect();
+    context: &Context,
+) -> Result<(), Cancelled> {
+    let depths = depths(refined, drawn, context)?;
+    let mut centres = Vec::new();
     for f in 0..refined.facets.len() {
         let facet = refined.facets[f];
         if facet.iter().all(|&n| depths[n as usize] == 0.0) {
@@ -446,19 +498,23 @@ fn lower(
                 Direction::Up => h + deep,
             };
         }
-        let centre = facet
-            .map(|n| refined.nodes[n as usize])
-            .into_iter()
-            .sum::<DVec2>()
-            / 3.0;
-        let of = drawn
-            .iter()
-            .map(|(number, strip, _)| (strip.depth(centre), *number));
-        if let Some(((_, left), number)) = of
-            .filter(|((deep, _), _)| *deep > 0.0)
-            .max_by(|a, b| a.0.0.total_cmp(&b.0.0))
-        {
-            refined.cells[f] = grooved.first_cell + 2 * number as u32 + u32::from(left);
+        let corners = facet.map(|n| refined.nodes[n as usize]);
+        centres.push((f as u32, corners.into_iter().sum::<DVec2>() / 3.0));
+    }
+    // Each facet in a crack belongs to the deepest one there.
+    let centres = SortedPoints::new(centres.into_iter());
+    let mut deepest = vec![0.0; refined.facets.len()];
+    for crack in drawn {
+        context.check()?;
+        for &(f, centre) in centres.about(&crack.strip) {
+            let (deep, left) = crack.strip.depth(centre);
+            let known = &mut deepest[f as usize];
+            if deep > 0.0 && deep >= *known {
+                *known = deep;
+                refined.cells[f as usize] =
+                    grooved.first_cell + 2 * crack.number as u32 + u32::from(left);
+            }
         }
     }
+    Ok(())
 }

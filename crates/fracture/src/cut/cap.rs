@@ -18,6 +18,7 @@ use super::polygon;
 use crate::surface::{Edge, FractureSurface, NONE, SectionLayout};
 use column::HeightColumn;
 use glam::{DVec2, DVec3};
+use greenstick_geometry::Context;
 use greenstick_geometry::triangulate::Triangulator;
 
 /// The triangles of the broken face, oriented for the lower piece.
@@ -69,6 +70,8 @@ pub(super) struct Builder<'a, 'b> {
     crossed: Vec<(u32, [u32; 3])>,
     triangulator: Triangulator,
     cap: Cap,
+    /// Asked whether to stop.
+    context: &'a Context,
 }
 
 /// Vertices at the ends of both facets' sides along an inner edge, in the order of its nodes.
@@ -95,6 +98,7 @@ pub(super) fn build<'a>(
     grid: &'a FacetGrid,
     overlay: &mut Overlay<'a>,
     heights: Option<Vec<f64>>,
+    context: &'a Context,
 ) -> Result<Cap, CutError> {
     overlay.sort();
     let sorted = |list: Vec<(u32, [u32; 2])>| {
@@ -142,6 +146,7 @@ pub(super) fn build<'a>(
         crossed: Vec::new(),
         triangulator: Triangulator::default(),
         cap: Cap::default(),
+        context,
     };
     builder.cap.triangles.reserve(layout.facets.len() * 3);
     builder.cap.faces.reserve(layout.facets.len() * 3);
@@ -157,6 +162,7 @@ pub(super) fn build<'a>(
         }
     }
     let loose = builder.fill_touched_tops()?;
+    context.check()?;
     builder.spread_status()?;
     builder.fill_whole_tops(&loose)?;
     if builder.stepped {
@@ -361,6 +367,7 @@ impl<'a> Builder<'a, '_> {
         let mut memory = TopMemory::default();
         let mut loose = Vec::new();
         for of_facet in tops.chunk_by(|a, b| a.0 == b.0) {
+            self.context.check()?;
             let facet = of_facet[0].0;
             if self.fill_beside_line(facet, of_facet, &mut memory) {
                 continue;
@@ -484,6 +491,7 @@ impl<'a> Builder<'a, '_> {
 
     fn fill_whole_tops(&mut self, loose: &[u32]) -> Result<(), CutError> {
         for &facet in loose {
+            self.context.check()?;
             let chains = of(&self.tops, facet);
             let mut loops: Vec<Vec<u32>> = Vec::new();
             if self.status[facet as usize] == [INSIDE; 3] {

@@ -1,6 +1,7 @@
 //! Why a mesh cannot be cut.
 
 use glam::DVec3;
+use greenstick_geometry::Cancelled;
 
 /// Why a mesh could not be cut. Places are grain coordinates (x, y, s) in m; callers map them to the world.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -40,4 +41,7 @@ pub enum CutError {
         /// A triangle that belongs to both sides.
         triangle: u32,
     },
+    /// The caller cancelled.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
 }

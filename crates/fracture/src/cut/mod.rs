@@ -18,7 +18,7 @@ pub use skin::{Sides, Skin};
 
 use crate::surface::{FractureSurface, NONE, SectionLayout};
 use glam::DVec3;
-use greenstick_geometry::Unions;
+use greenstick_geometry::{Context, Unions};
 use overlay::clips::Clips;
 use overlay::outline::Overlay;
 use overlay::{Place, SplitMemory};
@@ -57,7 +57,15 @@ pub struct Cut {
 pub fn cut(solid: &Solid, surface: &FractureSurface) -> Result<Cut, CutError> {
     let skin = Skin::new(solid, surface.range());
     let grid = FacetGrid::new(&skin, &surface.layout);
-    cut_again(solid, &skin, &grid, surface, &mut CutWorkspace::default())
+    let mut workspace = CutWorkspace::default();
+    cut_again(
+        solid,
+        &skin,
+        &grid,
+        surface,
+        &mut workspace,
+        &Context::quiet(),
+    )
 }
 
 /// The cache that one cut leaves for the next: which part of each triangle of the skin lies over which facet, as far as
@@ -88,14 +96,16 @@ impl CutWorkspace {
 /// lie, the `grid` of the surface's facets near it, and the workspace that earlier cuts have left.
 ///
 /// # Errors
-/// As [`cut`].
+/// As [`cut`], and [`CutError::Cancelled`].
 pub fn cut_again(
     solid: &Solid,
     skin: &Skin,
     grid: &FacetGrid,
     surface: &FractureSurface,
     workspace: &mut CutWorkspace,
+    context: &Context,
 ) -> Result<Cut, CutError> {
+    context.check()?;
     let clips = workspace.clips(skin, &surface.layout);
     let heights = cap::one_height_each(surface);
     let mut overlay = Overlay::new(
@@ -103,10 +113,10 @@ pub fn cut_again(
         solid.points,
         clips.made + clips.made / 4,
     );
-    let sides = overlay_skin(solid, skin, grid, surface, clips, &mut overlay)?;
+    let sides = overlay_skin(solid, (skin, grid), surface, clips, &mut overlay, context)?;
     clips.made = overlay.vertices.len();
     let outlines = outlines(&overlay);
-    let cap = cap::build(surface, grid, &mut overlay, heights)?;
+    let cap = cap::build(surface, grid, &mut overlay, heights, context)?;
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,
@@ -124,11 +134,11 @@ pub fn cut_again(
 /// Overlays the skin and the surface: finds the side of every triangle and cuts those that the surface meets.
 fn overlay_skin(
     solid: &Solid,
-    skin: &Skin,
-    grid: &FacetGrid,
+    (skin, grid): (&Skin, &FacetGrid),
     surface: &FractureSurface,
     clips: &mut Clips,
     overlay: &mut Overlay,
+    context: &Context,
 ) -> Result<Sides, CutError> {
     let band = surface.range();
     let mut relief = facet_grid::Relief::new(skin, grid, surface);
@@ -149,6 +159,7 @@ fn overlay_skin(
         } else {
             match relief.meet(rank) {
                 Side::Split => {
+                    context.check()?;
                     let corners = solid.triangles[t as usize];
                     let parts = clips.of(rank, skin, grid, solid);
                     let facets = clips.facets(parts);

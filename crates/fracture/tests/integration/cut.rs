@@ -5,6 +5,7 @@ use greenstick_fracture::cut::{
     Cut, CutWorkspace, FacetGrid, Host, Side, Skin, Solid, cut, cut_again,
 };
 use greenstick_fracture::surface::{FractureSurface, SectionLayout};
+use greenstick_geometry::Context;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -206,7 +207,8 @@ fn a_cut_does_not_depend_on_those_made_before_on_the_same_ground() {
                 layout: surface.layout.clone(),
                 heights,
             };
-            let cut = cut_again(&solid, &skin, &grid, &surface, workspace).expect("cuts");
+            let cut = cut_again(&solid, &skin, &grid, &surface, workspace, &Context::quiet())
+                .expect("cuts");
             (cut.vertices, cut.inside, cut.skin, cut.cap, cut.walls)
         };
         let mut workspace = CutWorkspace::default();

@@ -119,8 +119,15 @@ fn random_sets(
         }
         let far = seed % 2 == 0;
         let stem = stem_of(session, at).sound;
-        let end = crack_end(&stem, &Default::default(), &cracks, far, 1)
-            .unwrap_or_else(|e| panic!("{what}, seed {seed}, far {far}: {e}"));
+        let end = crack_end(
+            &stem,
+            &Default::default(),
+            &cracks,
+            far,
+            1,
+            &Context::quiet(),
+        )
+        .unwrap_or_else(|e| panic!("{what}, seed {seed}, far {far}: {e}"));
         assert_closed(&end.mesh, &format!("{what}, seed {seed}, far {far}"));
         assert!(end.void > 0.0);
     }
@@ -196,7 +203,7 @@ fn the_papers_figures_crack_a_sawn_end() {
             .apply(&mut face, &mut cracks)
             .unwrap();
         let plan = plan(&cracks, (0.05, 0.025), 3);
-        let end = crack_end(&stem, &face, &plan, true, 1).unwrap();
+        let end = crack_end(&stem, &face, &plan, true, 1, &Context::quiet()).unwrap();
         let made = &end.grooves;
         eprintln!(
             "{name}: {} cracks, {} closed, {} outside, {} shortened, {} skipped, widest {:.2} mm, deepest {:.1} mm",
@@ -303,7 +310,15 @@ fn a_radial_crack_takes_out_the_volume_of_its_formula() {
     }
     let expected = sum * radius.powi(3);
     let stem = stem_of(&mut session, 0.5).sound;
-    let end = crack_end(&stem, &Default::default(), &plan, true, 1).unwrap();
+    let end = crack_end(
+        &stem,
+        &Default::default(),
+        &plan,
+        true,
+        1,
+        &Context::quiet(),
+    )
+    .unwrap();
     let off = end.void / expected - 1.0;
     assert!(
         off.abs() < 0.01,

@@ -175,9 +175,9 @@ impl Cutter<'_> {
         surface: &FractureSurface,
         workspace: &mut CutWorkspace,
     ) -> Result<(Cut, usize), BreakError> {
-        self.context.check()?;
         let solid = self.stem.solid();
-        let cut = cut_again(&solid, self.skin, self.facet_grid, surface, workspace);
+        let (skin, grid) = (self.skin, self.facet_grid);
+        let cut = cut_again(&solid, skin, grid, surface, workspace, self.context);
         let mut cut = cut.map_err(|error| self.stem.locate(error))?;
         self.context.check()?;
         let chips = if self.absorb_chips {

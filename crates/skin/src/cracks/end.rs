@@ -139,13 +139,15 @@ fn end_wood<'a>(
 /// Cracks an end of the stem: the far one (greater lengths) or the near one. `material` is that of the wood inside.
 ///
 /// # Errors
-/// [`BreakError::Crack`] where the end is not found, [`BreakError::Cut`] where the mesh is open there.
+/// [`BreakError::Crack`] where the end is not found, [`BreakError::Cut`] where the mesh is open there, and
+/// [`BreakError::Cancelled`].
 pub fn crack_end(
     stem: &PreparedStem,
     p: &BreakParameters,
     plan: &CrackPlan,
     far: bool,
     material: u32,
+    context: &Context,
 ) -> Result<CrackedEnd, BreakError> {
     let found = &stem.found.stem;
     let end = EndFace::fit(
@@ -173,11 +175,12 @@ pub fn crack_end(
         level: f64::INFINITY,
     };
     let plan = fit_to_section(stem, plan);
-    let made = end_grooves(&plan, &found.rings, &bundles.layout, &end, &site)?;
+    let (rings, layout) = (&found.rings, &bundles.layout);
+    let made = end_grooves(&plan, rings, layout, &end, &site, context)?;
     let whole = shell_volume(stem);
     let inner = end_wood(stem, p, &bundles, material);
     // What is cut out of an end is nothing but chips.
-    let cracked = cut_along((stem, &inner), made, false, &Context::quiet())?;
+    let cracked = cut_along((stem, &inner), made, false, context)?;
     let mesh = cracked.piece(stem, &inner, !far);
     let void = whole - mesh.volume();
     Ok(CrackedEnd {
@@ -193,12 +196,13 @@ pub fn crack_end(
 ///
 /// # Errors
 /// [`BreakError::Crack`] where too little of the stem is left beyond the break, [`BreakError::Cut`] where the mesh is
-/// open or not a manifold there.
+/// open or not a manifold there, and [`BreakError::Cancelled`].
 pub fn saw_and_crack_end(
     stem: &PreparedStem,
     p: &BreakParameters,
     plan: &CrackPlan,
     material: u32,
+    context: &Context,
 ) -> Result<CrackedEnd, BreakError> {
     let found = &stem.found.stem;
     let (low, high) = found.usable;
@@ -226,8 +230,8 @@ pub fn saw_and_crack_end(
     let plan = fit_to_section(stem, plan);
     let inner = end_wood(stem, p, &bundles, material);
     let lower_piece = |plan: &CrackPlan| -> Result<(Mesh, GroovedSurface), BreakError> {
-        let made = grooves(plan, &found.rings, &flat, Direction::Down, &site)?;
-        let cracked = cut_along((stem, &inner), made, true, &Context::quiet())?;
+        let made = grooves(plan, &found.rings, &flat, Direction::Down, &site, context)?;
+        let cracked = cut_along((stem, &inner), made, true, context)?;
         Ok((cracked.piece(stem, &inner, false), cracked.grooves))
     };
     let (mesh, made) = lower_piece(&plan)?;
@@ -281,9 +285,9 @@ pub fn open_end(
     material: u32,
     context: &Context,
 ) -> Result<OpenedEnd, BreakError> {
-    let (made, sawn_off) = match crack_end(stem, p, plan, true, material) {
+    let (made, sawn_off) = match crack_end(stem, p, plan, true, material, context) {
         Err(BreakError::Cut { .. } | BreakError::Crack(CrackError::NoEnd { .. })) => {
-            (saw_and_crack_end(stem, p, plan, material)?, true)
+            (saw_and_crack_end(stem, p, plan, material, context)?, true)
         }
         made => (made?, false),
     };

@@ -46,7 +46,7 @@ pub fn crack_faces(
     };
     let plan = fit_to_section(stem, plan);
     let face = |direction| {
-        let made = grooves(&plan, &found.rings, surface, direction, &site)?;
+        let made = grooves(&plan, &found.rings, surface, direction, &site, context)?;
         cut_along((stem, inner), made, true, context)
     };
     Ok([face(Direction::Down)?, face(Direction::Up)?])

@@ -372,6 +372,7 @@ impl PreparedStem {
             CutError::Misses | CutError::Joined { .. } => {
                 DVec3::new(0.0, 0.0, self.found.stem.location)
             }
+            CutError::Cancelled(cancelled) => return BreakError::Cancelled(*cancelled),
         };
         BreakError::Cut {
             error,

@@ -23,6 +23,7 @@ impl Builder<'_, '_> {
                 }
                 continue;
             }
+            self.context.check()?;
             let chains = if self.touched[e] {
                 of(&self.walls, e as u32)
             } else {
