@@ -3,8 +3,7 @@
 //! A rod may break many times: a splinter that is bent further breaks again, and brash wood breaks in several places along its
 //! length. How ragged a face is follows from the breaks in it alone.
 
-use super::SPLINTER_SHARE;
-use super::pieces::Pieces;
+use super::pieces::{Pieces, SPLINTER_SHARE};
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use std::ops::Range;

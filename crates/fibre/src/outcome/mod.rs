@@ -30,7 +30,8 @@ use crate::store::{EnergyRow, ForceRow};
 use capacity::TensionCapacity;
 use face::Face;
 use glam::DVec3;
-use pieces::Pieces;
+pub use pieces::OutcomePiece;
+use pieces::{Pieces, SPLINTER_SHARE};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -38,8 +39,6 @@ use std::collections::BTreeMap;
 const PARTED: f64 = 0.05;
 /// Vertices of rods that begin or end within this fraction of the stem from its ends are its ends.
 const END_FRACTION: f64 = 0.1;
-/// Pieces of less than this share of the wood are splinters.
-const SPLINTER_SHARE: f64 = 0.01;
 
 /// What became of the wood.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -77,15 +76,6 @@ pub struct Outcome {
     /// The most by which the energy that the method dissipated fell, J. It cannot fall: more than a thousandth of all energy means
     /// that the run is in error by so much.
     pub dissipation_fell_j: f64,
-}
-
-/// A piece of the wood.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct OutcomePiece {
-    /// Its share of the wood's mass.
-    pub share: f64,
-    /// Its share of the wood's volume, which differs where earlywood and latewood, or sapwood and heartwood, differ in density.
-    pub volume_share: f64,
 }
 
 /// The wood before anything moved, as far as the outcome needs it.

@@ -1,9 +1,21 @@
 //! The pieces that rods and bonds hold together.
 
-use super::OutcomePiece;
 use crate::rod_bundle::RodBundle;
 use greenstick_geometry::Unions;
+use serde::Serialize;
 use std::collections::BTreeMap;
+
+/// Pieces of less than this share of the wood are splinters.
+pub(super) const SPLINTER_SHARE: f64 = 0.01;
+
+/// A piece of the wood.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OutcomePiece {
+    /// Its share of the wood's mass.
+    pub share: f64,
+    /// Its share of the wood's volume, which differs where earlywood and latewood, or sapwood and heartwood, differ in density.
+    pub volume_share: f64,
+}
 
 /// The pieces of a bundle.
 pub(super) struct Pieces {
