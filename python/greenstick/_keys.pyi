@@ -50,6 +50,7 @@ class RequestKeys(TypedDict, total=False):
     samples: int | str
     draft: bool
     view: str | float | None
+    camera: str | float | None
     close_up: float | str | None
     depth_of_field: float | str
     coin: bool
@@ -293,6 +294,11 @@ class RequestAttributes:
         """Direction from which the picture is taken, degrees; 'auto' chooses one that suits."""
     @view.setter
     def view(self, value: str | float | None) -> None: ...
+    @property
+    def camera(self) -> str | None:
+        """Where the camera is and where it looks, m in the coordinates of what is shown, and its field of view across the shorter side, degrees (25): it stays there over all frames of a film, whatever `view` and `close_up` say. 'auto' places one that suits."""
+    @camera.setter
+    def camera(self, value: str | float | None) -> None: ...
     @property
     def close_up(self) -> float | None:
         """How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; 'auto' shows everything. Unit: one."""
@@ -559,6 +565,7 @@ class RequestAttributes:
     @overload
     def __getitem__(self, key: Literal[
         "input", "pith", "kernels", "species", "sapwood_color", "heartwood_color", "bark_color", "view",
+        "camera",
     ]) -> str | None: ...
     @overload
     def __getitem__(self, key: str) -> Any: ...
@@ -658,6 +665,7 @@ class RequestAttributes:
     @overload
     def __setitem__(self, key: Literal[
         "input", "pith", "kernels", "species", "sapwood_color", "heartwood_color", "bark_color", "view",
+        "camera",
     ], value: str | float | None) -> None: ...
     @overload
     def __setitem__(self, key: str, value: object) -> None: ...

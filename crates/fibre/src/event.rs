@@ -29,10 +29,12 @@ pub enum Cause {
     Griffith,
     /// Stress across and along the bond's facet.
     Stress,
-    /// Work across and along the bond's facet, from its strength to its energy of fracture.
+    /// Work across and along the bond's facet, from its strength to its energy of fracture, most of it across.
     Cohesive,
     /// Torsion: shear along the grain at the rod's surface, where it exceeds tension.
     Torsion,
+    /// The same work of a bond as [`Cause::Cohesive`], most of it along the facet: the bond slid.
+    Shear,
 }
 
 /// One event. Rod and vertex are numbers of the unbroken bundle, so that they name the same wood at all times.

@@ -22,10 +22,39 @@ pub enum View {
 const FIELD_OF_VIEW: f64 = 0.436_332;
 /// Fraction of the width and height of the picture that a fitted scene fills.
 const FILL_FRACTION: f64 = 0.88;
+/// A camera whose direction is nearer than this to the vertical (sine of the angle) looks straight up or down: what is to its right
+/// would be rounding.
+const STRAIGHT: f64 = 1e-9;
 /// Elevation of the automatic view, rad (24°).
 const AUTOMATIC_ELEVATION: f64 = 0.42;
 /// Angle of the automatic view from perpendicular to the longest extent, rad (28°).
 const AUTOMATIC_AZIMUTH: f64 = 0.49;
+
+/// A camera that stands where the caller says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraPlacement {
+    /// Where it is, m.
+    pub place: DVec3,
+    /// A point that is seen in the middle of the picture, m.
+    pub target: DVec3,
+    /// Field of view across the shorter side of the picture, rad, from that of 1° to that of 150°.
+    pub field_of_view: f64,
+}
+
+/// Fields of view that a placed camera may have, degrees: beyond them a picture is a point, or mostly distortion.
+const FIELDS_OF_VIEW: [f64; 2] = [1.0, 150.0];
+
+impl CameraPlacement {
+    /// The field of view of a camera whose own is not given, rad.
+    pub const FIELD_OF_VIEW: f64 = FIELD_OF_VIEW;
+
+    /// Whether it looks somewhere, at an angle that it may have.
+    pub fn is_valid(&self) -> bool {
+        let [least, most] = FIELDS_OF_VIEW.map(f64::to_radians);
+        (self.target - self.place).try_normalize().is_some()
+            && (least..=most).contains(&self.field_of_view)
+    }
+}
 
 /// The camera.
 pub(crate) struct Camera {
@@ -71,13 +100,8 @@ impl Camera {
         let right = across * ca - toward * sa;
         let forward = -back;
         let above = right.cross(forward);
-        let [width, height] = size.map(f64::from);
         let shorter = libm::tan(FIELD_OF_VIEW / 2.0);
-        let tangents = if width < height {
-            [shorter, shorter * height / width]
-        } else {
-            [shorter * width / height, shorter]
-        };
+        let tangents = tangents(shorter, size);
         let origin = match zoom {
             Some(Sphere { centre, radius })
                 if centre.is_finite() && radius.is_finite() && radius > 0.0 =>
@@ -93,14 +117,45 @@ impl Camera {
             }
             None => fit(points, [right, above, forward], tangents),
         };
-        let pixel_size = 2.0 * tangents[1] / height;
         Ok(Camera {
             origin,
             right,
             up: above,
             forward,
             tangents,
-            pixel_size,
+            pixel_size: 2.0 * tangents[1] / f64::from(size[1]),
+        })
+    }
+
+    /// The camera of a placement. One that looks straight up or down has the directions of a view at azimuth 0.
+    pub fn placed(
+        placement: &CameraPlacement,
+        up: DVec3,
+        size: [u32; 2],
+    ) -> Result<Camera, PictureError> {
+        let up = up
+            .try_normalize()
+            .ok_or(PictureError::View("the upward direction has length 0"))?;
+        if !placement.is_valid() {
+            return Err(PictureError::View(
+                "the camera must look at another point than its own, with a field of view of 1 to 150°",
+            ));
+        }
+        let forward = (placement.target - placement.place).normalize();
+        let right = forward.cross(up);
+        let right = if right.length() > STRAIGHT {
+            right.normalize()
+        } else {
+            horizontal(up).right
+        };
+        let tangents = tangents(libm::tan(placement.field_of_view / 2.0), size);
+        Ok(Camera {
+            origin: placement.place,
+            right,
+            up: right.cross(forward),
+            forward,
+            tangents,
+            pixel_size: 2.0 * tangents[1] / f64::from(size[1]),
         })
     }
 
@@ -108,6 +163,16 @@ impl Camera {
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         (self.forward + self.right * (x * self.tangents[0]) + self.up * (y * self.tangents[1]))
             .normalize()
+    }
+}
+
+/// Tangents of half the fields of view across and up a picture of `size` pixels, whose shorter side has `shorter`.
+fn tangents(shorter: f64, size: [u32; 2]) -> [f64; 2] {
+    let [width, height] = size.map(f64::from);
+    if width < height {
+        [shorter, shorter * height / width]
+    } else {
+        [shorter * width / height, shorter]
     }
 }
 
@@ -245,5 +310,37 @@ mod tests {
                 assert!(camera.right.cross(camera.forward).distance(camera.up) < 1e-12);
             }
         }
+    }
+    #[test]
+    fn a_placed_camera_sees_its_target_in_the_middle_and_its_field_at_the_shorter_side() {
+        let placement = CameraPlacement {
+            place: dvec3(1.0, 2.0, 3.0),
+            target: dvec3(-2.0, 0.5, 1.0),
+            field_of_view: 40f64.to_radians(),
+        };
+        for size in [[400, 300], [300, 400]] {
+            let camera = Camera::placed(&placement, DVec3::Y, size).unwrap();
+            let middle = camera.direction(0.0, 0.0);
+            let target = (placement.target - placement.place).normalize();
+            assert!(middle.distance(target) < 1e-12);
+            let side = match size[0] < size[1] {
+                true => [1.0, 0.0],
+                false => [0.0, 1.0],
+            };
+            let angle = camera.direction(side[0], side[1]).angle_between(middle);
+            assert!((angle - 20f64.to_radians()).abs() < 1e-9, "{angle}");
+            assert!(camera.right.y.abs() < 1e-12 && camera.up.y > 0.0);
+        }
+        let down = CameraPlacement {
+            target: placement.place - DVec3::Y,
+            ..placement
+        };
+        let camera = Camera::placed(&down, DVec3::Y, [4, 3]).unwrap();
+        assert_eq!((camera.right, camera.up), (DVec3::X, DVec3::NEG_Z));
+        let nowhere = CameraPlacement {
+            target: placement.place,
+            ..placement
+        };
+        assert!(Camera::placed(&nowhere, DVec3::Y, [4, 3]).is_err());
     }
 }

@@ -29,7 +29,7 @@ mod sheet;
 mod surface;
 mod texture;
 
-pub use camera::{Horizontal, Sphere, View, azimuth_of_view, horizontal};
+pub use camera::{CameraPlacement, Horizontal, Sphere, View, azimuth_of_view, horizontal};
 pub use chart::{Chart, Series, SeriesStyle};
 pub use error::{MAX_SAMPLES, MAX_SIDE, MAX_TRIANGLES, PictureError};
 pub use item::Item;

@@ -1,6 +1,7 @@
 //! What is asked of a picture.
 
-use crate::{MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
+use crate::{CameraPlacement, MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
+use glam::DVec3;
 use greenstick_schema::{Unit, count, flag, number, parameters, text, text_field};
 use std::str::FromStr;
 
@@ -78,6 +79,50 @@ text_field! {
     pub const VIEW
 }
 
+/// A text that places no camera.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "\"{0}\" places no camera; expected X,Y,Z,X,Y,Z, its place and where it looks, another point, in metres, and if need be ,ANGLE, its field of view from 1 to 150 degrees, such as 1,0.5,2,0,0,0,25"
+)]
+pub struct CameraPlacementError(String);
+
+impl FromStr for CameraPlacement {
+    type Err = CameraPlacementError;
+
+    fn from_str(text: &str) -> Result<Self, CameraPlacementError> {
+        let numbers: Option<Vec<f64>> = (text.split(','))
+            .map(|t| t.trim().parse().ok().filter(|x: &f64| x.is_finite()))
+            .collect();
+        let placement = numbers.and_then(|n| {
+            let (six, field_of_view) = match n[..] {
+                [ref six @ .., angle] if six.len() == 6 => (six, angle.to_radians()),
+                _ => (&n[..], CameraPlacement::FIELD_OF_VIEW),
+            };
+            let [x, y, z, u, v, w] = *six else {
+                return None;
+            };
+            let placement = CameraPlacement {
+                place: DVec3::new(x, y, z),
+                target: DVec3::new(u, v, w),
+                field_of_view,
+            };
+            placement.is_valid().then_some(placement)
+        });
+        placement.ok_or_else(|| CameraPlacementError(text.to_owned()))
+    }
+}
+
+text_field! {
+    CameraPlacement, "X,Y,Z,X,Y,Z[,ANGLE]", |camera| {
+        let [p, t] = [camera.place, camera.target];
+        // In ten digits, in which degrees come back as they were written.
+        let angle = (camera.field_of_view.to_degrees() * 1e10).round() / 1e10;
+        format!("{},{},{},{},{},{},{angle}", p.x, p.y, p.z, t.x, t.y, t.z)
+    };
+    /// Where a camera is, and where it looks.
+    pub const CAMERA
+}
+
 parameters! {
     /// What is asked of a picture.
     pub struct PictureParameters {
@@ -90,6 +135,8 @@ parameters! {
             draft: bool = false, flag();
             /// Direction from which the picture is taken, degrees; "auto" chooses one that suits.
             view: Option<ViewDirection> = None, text(VIEW).auto();
+            /// Where the camera is and where it looks, m in the coordinates of what is shown, and its field of view across the shorter side, degrees (25): it stays there over all frames of a film, whatever `view` and `close_up` say. "auto" places one that suits.
+            camera: Option<CameraPlacement> = None, text(CAMERA).auto();
             /// How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; "auto" shows everything.
             close_up: Option<f64> = None, number(Unit::One, 0.5, 1000.0).auto().logarithmic();
             /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near.
@@ -114,6 +161,7 @@ impl PictureParameters {
                 azimuth: view.azimuth.to_radians(),
                 elevation: view.elevation.to_radians(),
             }),
+            camera: self.camera,
             close_up: self.close_up,
             depth_of_field: self.depth_of_field,
             coin: self.coin,
@@ -148,6 +196,28 @@ mod tests {
         }
         for wrong in ["0,91", "NaN,0", "30"] {
             assert!(p.set_text("view", wrong).is_err(), "{wrong}");
+        }
+    }
+    #[test]
+    fn cameras_are_read_and_refused() {
+        let mut p = PictureParameters::default();
+        p.set_text("camera", "1, 0.5, 2, 0, 0, -3, 40").unwrap();
+        let camera = p.options().camera.unwrap();
+        assert_eq!(camera.place, DVec3::new(1.0, 0.5, 2.0));
+        assert_eq!(camera.target, DVec3::new(0.0, 0.0, -3.0));
+        assert!((camera.field_of_view - 40f64.to_radians()).abs() < 1e-15);
+        p.set_text("camera", "1,0.5,2,0,0,-3").unwrap();
+        let camera = p.options().camera.unwrap();
+        assert_eq!(camera.field_of_view, CameraPlacement::FIELD_OF_VIEW);
+        for wrong in [
+            "1,2,3",
+            "1,2,3,1,2,3",
+            "1,2,3,0,0,0,0.5",
+            "1,2,3,0,0,0,170",
+            "1,2,3,0,0,inf",
+            "1,2,3,0,0,0,25,1",
+        ] {
+            assert!(p.set_text("camera", wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Rendering in four steps: what is seen at the middle of each pixel, the light there from few rays, the same smoothed, and the
 //! picture, with more camera rays where an edge or fine detail asks for them.
 
-use crate::camera::{Camera, Sphere, View};
+use crate::camera::{Camera, CameraPlacement, Sphere, View};
 use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
@@ -30,6 +30,8 @@ pub struct PictureOptions {
     pub draft: bool,
     /// Direction of view.
     pub view: View,
+    /// Where the camera is; `None` to place it by `view`, `zoom` and `shown`, which are then left alone.
+    pub camera: Option<CameraPlacement>,
     /// Sphere that fills the picture; `None` to show everything.
     pub zoom: Option<Sphere>,
     /// How much whoever knows where the wood is broken shows of it as `zoom`, in diameters of the stem; [`render`] does not look at it.
@@ -66,6 +68,7 @@ impl PictureOptions {
             samples: 0,
             draft: false,
             view: View::Automatic,
+            camera: None,
             zoom: None,
             close_up: None,
             depth_of_field: 0.0,
@@ -159,7 +162,7 @@ pub fn render(
     if shown.iter().any(|p| !p.is_finite()) {
         return Err(PictureError::View("the points to show must be finite"));
     }
-    let mut camera = Camera::new(shown, options.view, options.zoom, options.up, rendered)?;
+    let mut camera = aimed(shown, options, rendered)?;
     let up = options.up.normalize();
     let level = shown
         .iter()
@@ -170,7 +173,7 @@ pub fn render(
     let mut items = items;
     if let Some(coin) = &coin {
         let wider: Vec<DVec3> = shown.iter().copied().chain(coin.corners()).collect();
-        camera = Camera::new(&wider, options.view, options.zoom, options.up, rendered)?;
+        camera = aimed(&wider, options, rendered)?;
         with_coin = coin.beside(items);
         items = &with_coin;
         points = world_points(items)?;
@@ -190,6 +193,18 @@ pub fn render(
     let radiance = radiance(&frame, options.depth_of_field, context)?;
     let radiance = enlarge(radiance, rendered, size);
     Ok(Picture::from_radiance(size[0], size[1], &radiance))
+}
+
+/// The camera of a picture of `size` pixels in which `points` are to be seen.
+fn aimed(
+    points: &[DVec3],
+    options: &PictureOptions,
+    size: [u32; 2],
+) -> Result<Camera, PictureError> {
+    match options.camera {
+        Some(placement) => Camera::placed(&placement, options.up, size),
+        None => Camera::new(points, options.view, options.zoom, options.up, size),
+    }
 }
 
 /// Finds the radiance of all pixels of a frame, blurred out of focus by a depth of field of 0 to 1.

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Attribute, CancelToken, Context, Mesh};
 use greenstick_picture::{
-    Item, Picture, PictureError, PictureOptions, PlainShader, Sphere, View, render,
+    CameraPlacement, Item, Picture, PictureError, PictureOptions, PlainShader, Sphere, View, render,
 };
 
 /// A unit cube around the origin with vertex colours, red at the top and blue at the bottom.
@@ -404,4 +404,46 @@ fn what_is_out_of_focus_is_blurred_and_the_rest_is_not() {
     assert!(10 * after >= 9 * before, "{before} {after}");
     let [before, after] = [&sharp, &soft].map(|p| step(p, far.clone()).unwrap());
     assert!(2 * after < before, "{before} {after}");
+}
+
+#[test]
+fn a_placed_camera_stays_whatever_is_to_fit_into_the_picture() {
+    // A sphere of radius 1 fills the view from +Z; 25° across the shorter side is the default of both.
+    let zoomed = PictureOptions {
+        view: View::Direction {
+            azimuth: 0.0,
+            elevation: 0.0,
+        },
+        zoom: Some(Sphere {
+            centre: DVec3::ZERO,
+            radius: 1.0,
+        }),
+        ..small()
+    };
+    let distance = 1.0 / 12.5f64.to_radians().sin();
+    let placed = PictureOptions {
+        camera: Some(CameraPlacement {
+            place: DVec3::Z * distance,
+            target: DVec3::ZERO,
+            field_of_view: 25f64.to_radians(),
+        }),
+        ..small()
+    };
+    let difference = |a: &Picture, b: &Picture| {
+        let pairs = a.rgb.iter().zip(&b.rgb);
+        pairs.map(|(a, b)| a.abs_diff(*b)).max()
+    };
+    let picture = render_cube(&placed).unwrap();
+    let same = render_cube(&zoomed).unwrap();
+    assert!(difference(&picture, &same) <= Some(2));
+    let other = PictureOptions {
+        shown: vec![DVec3::splat(-0.5), DVec3::splat(20.0)],
+        zoom: Some(Sphere {
+            centre: DVec3::X,
+            radius: 9.0,
+        }),
+        view: View::Automatic,
+        ..placed
+    };
+    assert_eq!(render_cube(&other).unwrap(), picture);
 }

@@ -162,7 +162,7 @@ pub struct RunFigures {
     pub greatest_moment_nm: Option<f64>,
     /// Tension along the grain that the wood could still carry, over that at the start.
     pub tension_left: Option<f64>,
-    /// Median of the places at which rods broke, m from the base.
+    /// Median of the places at which rods broke in the face, m from the base.
     pub place_m: Option<f64>,
     /// Standard deviation of these places, m.
     pub spread_m: Option<f64>,
@@ -258,7 +258,7 @@ pub(crate) const RUN_COLUMNS: &[Column<RunFigures>] = &[
     (
         "place",
         "m",
-        "median of the places at which rods broke, from the base",
+        "median of the places at which rods broke in the face, from the base",
         |f| or_missing(f.place_m),
     ),
     ("spread", "m", "standard deviation of these places", |f| {

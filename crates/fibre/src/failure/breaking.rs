@@ -219,6 +219,7 @@ fn bond_event(world: &World, bond: usize, demand: f64) -> Event {
     );
     let (transverse, shear) = energy::bond::energy(bundle, state, bond);
     let (_, d) = energy::bond::vectors(bundle, state, bond);
+    let softening = Softening::new(bundle, state, bond);
     Event {
         time: state.time,
         kind: EventKind::BondBroke,
@@ -230,11 +231,12 @@ fn bond_event(world: &World, bond: usize, demand: f64) -> Event {
             BondCriterion::Never | BondCriterion::Potential { .. } => Cause::Potential,
             BondCriterion::Griffith => Cause::Griffith,
             BondCriterion::Stress => Cause::Stress,
+            BondCriterion::Cohesive if softening.slip_share > 0.5 => Cause::Shear,
             BondCriterion::Cohesive => Cause::Cohesive,
         },
         demand,
         energy: match world.failure.bonds {
-            BondCriterion::Cohesive => Softening::new(bundle, state, bond).fracture_energy,
+            BondCriterion::Cohesive => softening.fracture_energy,
             _ => transverse + shear,
         },
     }

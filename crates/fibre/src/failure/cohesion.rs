@@ -33,6 +33,8 @@ pub(crate) struct Softening {
     pub fracture_energy: f64,
     /// The energy of opening and slip that the bond would store undamaged, J.
     pub undamaged_energy: f64,
+    /// Share of slip in it, 0 to 1.
+    pub slip_share: f64,
 }
 
 impl Softening {
@@ -62,6 +64,7 @@ impl Softening {
             end: fracture_energy / (at_strength * onset),
             fracture_energy,
             undamaged_energy,
+            slip_share: share,
         }
     }
 

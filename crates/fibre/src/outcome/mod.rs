@@ -6,23 +6,32 @@
 //! | module | content |
 //! |---|---|
 //! | `capacity` | the tension that the wood can still carry, and its weakest cut |
+//! | `face` | the breaks of rods between the two sides that came apart |
 //! | `mode` | [`Mode`]: how it broke |
+//! | `pieces` | the pieces that rods and bonds hold together |
+//! | `region` | where in the world it broke |
 
 mod capacity;
+mod face;
 mod mode;
+mod pieces;
 mod region;
 #[cfg(test)]
 mod tests;
 
 pub use mode::Mode;
+use mode::{Damage, Elements};
 pub use region::broken_region;
 
-use crate::event::{Event, EventKind};
+use crate::event::Event;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
 use crate::store::{EnergyRow, ForceRow};
 use capacity::TensionCapacity;
-use greenstick_geometry::Unions;
+use face::Face;
+use glam::DVec3;
+pub use pieces::OutcomePiece;
+use pieces::{Pieces, SPLINTER_SHARE};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -30,8 +39,6 @@ use std::collections::BTreeMap;
 const PARTED: f64 = 0.05;
 /// Vertices of rods that begin or end within this fraction of the stem from its ends are its ends.
 const END_FRACTION: f64 = 0.1;
-/// Pieces of less than this share of the wood are splinters.
-const SPLINTER_SHARE: f64 = 0.01;
 
 /// What became of the wood.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -45,10 +52,13 @@ pub struct Outcome {
     pub tension_left: Option<f64>,
     /// Rods that broke at least once.
     pub rods_broken: usize,
-    /// Median of the places at which rods broke, along the stem from its base, m.
+    /// Median of the places at which rods broke in the face where the wood parted, along the stem from its base, m. Where it has
+    /// not parted, of the break of each rod that gapes most.
     pub place_m: Option<f64>,
     /// Standard deviation of these places, m.
     pub spread_m: Option<f64>,
+    /// Breaks of rods that are not among them: those of splinters, and of wood that broke in several places.
+    pub further_breaks: usize,
     /// Largest force of a clamp or moved body, N, and the fraction of it that it bears at the end.
     pub greatest_load_n: f64,
     /// That fraction.
@@ -68,15 +78,6 @@ pub struct Outcome {
     pub dissipation_fell_j: f64,
 }
 
-/// A piece of the wood.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct OutcomePiece {
-    /// Its share of the wood's mass.
-    pub share: f64,
-    /// Its share of the wood's volume, which differs where earlywood and latewood, or sapwood and heartwood, differ in density.
-    pub volume_share: f64,
-}
-
 /// The wood before anything moved, as far as the outcome needs it.
 #[derive(Debug, Clone)]
 pub(crate) struct WoodAtStart {
@@ -84,7 +85,7 @@ pub(crate) struct WoodAtStart {
     fraction: Vec<f64>,
     /// Per vertex: its rod.
     rod: Vec<u32>,
-    rods: usize,
+    elements: Elements,
     /// Length of the stem, m.
     length: f64,
     /// Diameter of a circle of the rods' area, m.
@@ -108,7 +109,13 @@ impl WoodAtStart {
         let mut wood = WoodAtStart {
             fraction: fraction.to_vec(),
             rod: rod.collect(),
-            rods: bundle.rods(),
+            elements: Elements {
+                rods: bundle.rods(),
+                edges: (0..bundle.vertices())
+                    .filter(|&j| bundle.is_edge(j))
+                    .count(),
+                bonds: bundle.bonds.len(),
+            },
             length,
             diameter: 2.0 * (area / std::f64::consts::PI).sqrt(),
             capacity: None,
@@ -138,21 +145,6 @@ impl WoodAtStart {
         ends
     }
 
-    /// Returns median and standard deviation of the places (m) at which rods broke.
-    fn place(&self, events: &[Event]) -> Option<(f64, f64)> {
-        let breaks = events.iter().filter(|e| e.kind == EventKind::RodBroke);
-        let mut places: Vec<f64> = breaks
-            .filter_map(|e| self.fraction.get(e.vertex as usize))
-            .map(|fraction| fraction * self.length)
-            .collect();
-        places.sort_by(f64::total_cmp);
-        let median = *places.get(places.len() / 2)?;
-        let mean = places.iter().sum::<f64>() / places.len() as f64;
-        let variance =
-            places.iter().map(|p| (p - mean) * (p - mean)).sum::<f64>() / places.len() as f64;
-        Some((median, variance.sqrt()))
-    }
-
     /// Returns what became of it.
     pub fn outcome(&self, bundle: &RodBundle, state: &State, records: &OutcomeRecords) -> Outcome {
         let ends = self.ends(bundle);
@@ -165,25 +157,25 @@ impl WoodAtStart {
         let tension_left = cut.as_ref().map(|(whole, cut)| cut.newtons / whole);
         let parted = tension_left.is_some_and(|left| left < PARTED);
         let at_base = cut.filter(|_| parted).map(|(_, cut)| cut.at_base);
-        let mut all = pieces(bundle, at_base.as_deref());
+        let pieces = Pieces::new(bundle, at_base.as_deref());
+        let place = |vertex: usize| self.fraction[vertex] * self.length;
+        let face = Face::new((bundle, state), place, (&pieces, at_base.as_deref()));
+        let mut all = pieces.all;
         all.sort_by(|a, b| b.share.total_cmp(&a.share));
         let large = all.partition_point(|piece| piece.share >= SPLINTER_SHARE);
-        let place = self.place(records.events);
+        let place = face.median_and_spread();
         let spread = place.map_or(0.0, |(_, spread)| spread / self.diameter);
-        let mut broken: Vec<u32> = (records.events.iter())
-            .filter(|e| e.kind == EventKind::RodBroke)
-            .map(|e| e.rod)
-            .collect();
-        broken.sort_unstable();
-        broken.dedup();
+        let damage = Damage::count(records.events);
         let [load, moment] = greatest_loads(records.forces);
+        let torque = is_twisted(records.forces, moment.greatest);
         Outcome {
             parted,
-            mode: Mode::new(records.events, (broken.len(), self.rods), spread, parted),
+            mode: Mode::new(&damage, self.elements, (spread, parted, torque)),
             tension_left,
-            rods_broken: broken.len(),
+            rods_broken: damage.rods_broken,
             place_m: place.map(|p| p.0),
             spread_m: place.map(|p| p.1),
+            further_breaks: face.further,
             greatest_load_n: load.greatest,
             load_left: load.left(),
             greatest_moment_nm: moment.greatest,
@@ -194,45 +186,6 @@ impl WoodAtStart {
             dissipation_fell_j: largest_fall(records.energies),
         }
     }
-}
-
-/// Returns the pieces that rods and bonds hold together, but for those that cross the cut.
-fn pieces(bundle: &RodBundle, at_base: Option<&[bool]>) -> Vec<OutcomePiece> {
-    let mut pieces = Unions::new(bundle.vertices());
-    let mut join = |a: usize, b: usize| {
-        if at_base.is_none_or(|side| side[a] == side[b]) {
-            pieces.join(a as u32, b as u32);
-        }
-    };
-    for j in (0..bundle.vertices()).filter(|&j| bundle.is_edge(j)) {
-        join(j, j + 1);
-    }
-    let bonds = &bundle.bonds;
-    for bond in 0..bonds.len() {
-        let edge = bonds.edge[bond] as usize;
-        join(
-            bonds.vertex[bond] as usize,
-            edge + usize::from(bonds.t[bond] > 0.5),
-        );
-    }
-    // Mass and volume.
-    let mut made = BTreeMap::<u32, [f64; 2]>::new();
-    for rod in 0..bundle.rods() {
-        for v in bundle.rod(rod) {
-            made.entry(pieces.root(v as u32)).or_default()[0] += bundle.mass[v];
-        }
-        for edge in bundle.rod(rod).filter(|&v| bundle.is_edge(v)) {
-            let volume = bundle.area[rod] * bundle.rest_length[edge];
-            made.entry(pieces.root(edge as u32)).or_default()[1] += volume;
-        }
-    }
-    let [mass, volume] = [0, 1].map(|k| made.values().map(|m| m[k]).sum::<f64>());
-    (made.values())
-        .map(|m| OutcomePiece {
-            share: m[0] / mass,
-            volume_share: m[1] / volume,
-        })
-        .collect()
 }
 
 /// A load over time.
@@ -269,6 +222,16 @@ fn greatest_loads(rows: &[ForceRow]) -> [LoadHistory; 2] {
     })
 }
 
+/// Whether a clamp or body that turns about the stem, which lies along x, bore most of the greatest moment.
+fn is_twisted(rows: &[ForceRow], greatest_moment: f64) -> bool {
+    let is_along = |v: DVec3| 2.0 * v.x * v.x > v.length_squared();
+    rows.iter().any(|row| {
+        is_along(row.rotation_degrees)
+            && is_along(row.moment)
+            && row.moment.length() > 0.5 * greatest_moment
+    })
+}
+
 /// Returns the most by which the dissipated energy fell below what it was before, J.
 fn largest_fall(rows: &[EnergyRow]) -> f64 {
     let mut most = f64::NEG_INFINITY;
@@ -289,6 +252,9 @@ impl std::fmt::Display for Outcome {
                 place,
                 spread * 1e3
             )?;
+        }
+        if self.further_breaks > 0 {
+            write!(f, ", {} times more elsewhere", self.further_breaks)?;
         }
         if let Some(left) = self.tension_left.filter(|_| self.mode != Mode::Whole) {
             write!(

@@ -1,7 +1,10 @@
 //! What became of the wood, on bundles whose outcome is known.
 
+use super::mode::{Damage, Elements};
 use super::*;
 use crate::contact::NoContacts;
+use crate::event::{Cause, EventKind};
+use crate::failure::BondCriterion;
 use crate::failure::breaking::break_elements;
 use crate::failure::demand::{Element, Overstressed};
 use crate::rod_bundle::{Rod, RodMaterial};
@@ -127,4 +130,123 @@ fn what_never_fails_stays_whole() {
     let outcome = outcome(&wood, &world);
     assert_eq!(outcome.tension_left, Some(1.0));
     assert!(!outcome.parted);
+}
+
+#[test]
+fn breaks_away_from_the_face_do_not_make_it_ragged() {
+    // Both rods break five edges from their base, and one of them again near its tip: a stub of one edge hangs on by its bonds.
+    let mut world = two_rods();
+    let wood = WoodAtStart::new(&world.bundle, &fractions(), 0.1);
+    let other = EDGES as u32 + 1;
+    break_rods(&mut world, &[5, 9, other + 5]);
+    let bonds = &world.bundle.bonds;
+    let is_across = |bond: usize| {
+        let [a, b] = [bonds.vertex[bond], bonds.edge[bond]]
+            .map(|v| wood.fraction[world.bundle.origin[v as usize] as usize]);
+        (a - 0.5).abs() < 0.11 && (b - 0.5).abs() < 0.11
+    };
+    let across: Vec<u32> = (0..bonds.len() as u32)
+        .filter(|&b| is_across(b as usize))
+        .collect();
+    let World {
+        bundle,
+        state,
+        loads,
+        ..
+    } = &mut world;
+    crate::topology::break_up(bundle, state, loads, &across, &[]);
+    let parted = outcome(&wood, &world);
+    assert_eq!(
+        (parted.mode, parted.rods_broken, parted.further_breaks),
+        (Mode::BrashTension, 2, 1),
+        "{parted:?}"
+    );
+    assert!((parted.place_m.unwrap() - 0.05).abs() < 1e-12);
+    assert!(parted.spread_m.unwrap() < 1e-12);
+}
+
+#[test]
+fn a_break_lies_where_the_rod_was_moved_to() {
+    let mut world = two_rods();
+    let wood = WoodAtStart::new(&world.bundle, &fractions(), 0.1);
+    // The vertex at 3 cm is moved by 4 mm, as before a rod breaks between its vertices.
+    world.bundle.rest_length[2] += 4e-3;
+    world.bundle.rest_length[3] -= 4e-3;
+    break_rods(&mut world, &[3]);
+    let place = outcome(&wood, &world).place_m.unwrap();
+    assert!((place - 0.034).abs() < 1e-12, "{place}");
+}
+
+#[test]
+fn a_bond_that_slid_is_told_from_one_that_opened() {
+    // The second rod has moved along the grain, or away from the first one.
+    for (way, cause) in [(DVec3::Z, Cause::Shear), (DVec3::X, Cause::Cohesive)] {
+        let mut world = two_rods();
+        world.failure.bonds = BondCriterion::Cohesive;
+        for v in world.bundle.rod(1) {
+            world.state.position.add(v, way * 1e-3);
+        }
+        let bond = Overstressed {
+            demand: 1.0,
+            element: Element::Bond(0),
+        };
+        break_elements(&mut world, &mut NoContacts, &[bond]);
+        assert_eq!(world.events[0].cause, cause, "{way}");
+    }
+}
+
+/// The mode of four rods and bonds of which these events happened.
+fn mode_of(events: &[(EventKind, Cause, u32)], torque: bool) -> Mode {
+    let event = |&(kind, cause, rod): &(EventKind, Cause, u32)| Event {
+        time: 0.0,
+        kind,
+        rod,
+        vertex: rod,
+        other: None,
+        position: DVec3::ZERO,
+        cause,
+        demand: 1.0,
+        energy: 0.0,
+    };
+    let events: Vec<Event> = events.iter().map(event).collect();
+    let elements = Elements {
+        rods: 4,
+        edges: 40,
+        bonds: 40,
+    };
+    Mode::new(&Damage::count(&events), elements, (0.0, false, torque))
+}
+
+#[test]
+fn along_the_grain_wood_is_split_sheared_twisted_or_crushed() {
+    let opened = (EventKind::BondBroke, Cause::Cohesive, 0);
+    let slid = (EventKind::BondBroke, Cause::Shear, 0);
+    let crushed = (EventKind::RodYielded, Cause::Compression, 1);
+    let twisted = (EventKind::RodBroke, Cause::Torsion, 2);
+    let torn = (EventKind::RodBroke, Cause::Tension, 2);
+    for (events, torque, mode) in [
+        (&[][..], false, Mode::Whole),
+        (&[opened, opened, slid], false, Mode::Split),
+        (&[opened, slid, slid], false, Mode::HorizontalShear),
+        (&[opened, slid, slid], true, Mode::Torsion),
+        (&[opened, opened, slid], true, Mode::Split),
+        (&[crushed], false, Mode::Compression),
+        (&[crushed, crushed, opened], false, Mode::Compression),
+        (&[crushed, slid, slid], false, Mode::HorizontalShear),
+        (&[twisted, opened], false, Mode::Torsion),
+        (&[torn, crushed, slid], false, Mode::Greenstick),
+        // Torn where the fibre was crushed: rod 1's vertex is 1, too.
+        (
+            &[crushed, (EventKind::RodBroke, Cause::Tension, 1)],
+            false,
+            Mode::Compression,
+        ),
+        (
+            &[(EventKind::RodBroke, Cause::Tension, 1), crushed],
+            false,
+            Mode::Greenstick,
+        ),
+    ] {
+        assert_eq!(mode_of(events, torque), mode, "{events:?} {torque}");
+    }
 }

@@ -208,13 +208,14 @@ pub(super) const KINDS: [(EventKind, &str); 3] = [
 ];
 
 /// What the column `cause` holds.
-pub(super) const CAUSES: [(Cause, &str); 7] = [
+pub(super) const CAUSES: [(Cause, &str); 8] = [
     (Cause::Tension, "tension"),
     (Cause::Compression, "compression"),
     (Cause::Potential, "potential"),
     (Cause::Griffith, "griffith"),
     (Cause::Stress, "stress"),
     (Cause::Cohesive, "cohesive"),
+    (Cause::Shear, "shear"),
     (Cause::Torsion, "torsion"),
 ];
 

@@ -6,6 +6,7 @@ mod bend_test;
 mod bodies;
 mod fracture_test;
 mod mechanics;
+mod modes;
 mod motion;
 mod parted;
 mod scenes;
