@@ -274,22 +274,29 @@ impl Balance {
 
     /// Returns the largest unbalanced force, N; infinite where one is NaN. Moments count as couples one [`MOMENT_ARM`] apart.
     pub fn largest_residual(&self) -> f64 {
-        let mut largest = 0.0f64;
-        for (f, (r, h)) in self.residual.iter().zip(&self.held).enumerate() {
-            if *h {
-                continue;
+        let sizes = (0..self.residual.len()).map(|f| self.size(f));
+        sizes.fold(0.0, f64::max)
+    }
+
+    /// Returns the size of an unbalanced force, as [`Balance::largest_residual`] compares them; 0 where it is held.
+    fn size(&self, f: usize) -> f64 {
+        let size = match self.residual[f].abs() {
+            _ if self.held[f] => 0.0,
+            size if f % self.block == 3 => size / MOMENT_ARM,
+            size => size,
+        };
+        if size.is_nan() { f64::INFINITY } else { size }
+    }
+
+    /// Adds the work of the unbalanced forces on a vertex along a step, where nothing is held, to the first, and makes the second
+    /// the largest of them, N, where it is less.
+    pub fn measure(&self, vertex: usize, step: &[f64], (work, largest): (&mut f64, &mut f64)) {
+        for f in vertex * self.block..(vertex + 1) * self.block {
+            if !self.held[f] {
+                *work += step[f] * self.residual[f];
+                *largest = largest.max(self.size(f));
             }
-            let size = if f % self.block == 3 {
-                r.abs() / MOMENT_ARM
-            } else {
-                r.abs()
-            };
-            if size.is_nan() {
-                return f64::INFINITY;
-            }
-            largest = largest.max(size);
         }
-        largest
     }
 
     /// Returns the forces of clamps on vertices, and with twist their moments on edges.

@@ -55,7 +55,7 @@ const TIME_UNBALANCED: f64 = 5e-4;
 const DIVISION: f64 = 0.3;
 /// Steps grow and shrink by these factors after so few and so many Newton iterations, and for so many steps after they have
 /// become shorter they do not grow.
-const GROWTH: f64 = 1.7;
+const GROWTH: f64 = 3.0;
 const FEW_ITERATIONS: usize = 8;
 const SHRINKAGE: f64 = 0.7;
 const MANY_ITERATIONS: usize = 20;

@@ -10,6 +10,7 @@
 //! | `buckling` | [`Buckling`]: the load at which an equilibrium stops being stable |
 //! | `newton` | Newton's method on all energies, loads and inertia, with yielding and grips; `balance`: its unbalanced forces |
 //! | `limit_step` | limits Newton steps |
+//! | `line_search` | how far each part goes along a step |
 //! | `grip` | `Grip`: springs on weighted sums of displacements |
 //! | `linear` | linear systems of a Newton step |
 
@@ -25,6 +26,7 @@ mod grip;
 mod implicit;
 mod interactive;
 mod limit_step;
+mod line_search;
 mod linear;
 mod newton;
 mod prediction;

@@ -7,6 +7,7 @@ use super::balance::{Balance, EquilibriumProblem, FINEST_TOLERANCE};
 use super::free_impulse::FreeAcceleration;
 use super::grip::{Grip, ResolvedGrip};
 use super::limit_step::limit_step;
+use super::line_search::{LINE_SEARCH_TRIALS, LineSearch};
 use super::linear::{DirectSolver, IterativeSolver, LinearProblem};
 use super::prediction::Prediction;
 use crate::contact::{ContactSpring, Contacts};
@@ -24,12 +25,6 @@ use greenstick_geometry::{Cancelled, Context};
 const MAX_ITERATIONS: usize = 40;
 /// Relative accuracy of linear solutions.
 const LINEAR_TOLERANCE: f64 = 1e-3;
-/// Trials of the line search.
-const LINE_SEARCH_TRIALS: usize = 8;
-/// The line search accepts a step whose end has at most this fraction of the slope at its start.
-const SLOPE_REDUCTION: f64 = 0.5;
-/// The line search makes a step longer by at most this factor at a time.
-const MAX_EXTENSION: f64 = 4.0;
 /// The work that unbalanced forces of all steps may have done, over that of one step; and the fraction of that of one step that a
 /// step may always have, since nothing is ever balanced to the last bit. Errors of steps that follow each other mostly have
 /// the same sign: of a thousand they would add up.
@@ -446,53 +441,31 @@ impl Newton {
         longest: Option<f64>,
         context: &Context,
     ) -> Result<(), Cancelled> {
-        let slope = self.balance.slope(step);
+        let mut search = LineSearch::new(problem.bundle, &self.balance, step);
         let Iterates { state, previous } = iterates;
         previous.clone_from(state);
-        let mut length = 1.0;
-        for trial in 1..=LINE_SEARCH_TRIALS {
-            self.displace(problem.bundle, previous, step, length, state);
+        for _ in 0..LINE_SEARCH_TRIALS {
+            self.displace(problem.bundle, previous, step, &search, state);
             self.balance.evaluate(problem, contacts, state, context)?;
-            let now = self.balance.slope(step);
-            // The force along the step must have fallen, and not have reversed by much.
-            let accepted = now.abs() <= SLOPE_REDUCTION * slope.abs()
-                || self.balance.largest_residual() <= self.options.tolerance * self.balance.scale;
-            if accepted || trial == LINE_SEARCH_TRIALS || slope.is_nan() || slope <= 0.0 {
+            if !search.go_on(&self.balance, step, self.options.tolerance, longest) {
                 break;
             }
-            let Some(longest) = longest else {
-                break;
-            };
-            if now > 0.0 && length >= longest {
-                break;
-            }
-            length *= if now > 0.0 {
-                let factor = if now < slope {
-                    slope / (slope - now)
-                } else {
-                    MAX_EXTENSION
-                };
-                factor.min(MAX_EXTENSION).min(longest / length)
-            } else if now.is_finite() {
-                (slope / (slope - now)).clamp(0.1, 0.9)
-            } else {
-                0.25
-            };
         }
         Ok(())
     }
 
-    /// Sets `state` to `from` displaced by `length` times a step.
+    /// Sets `state` to `from` displaced by as much of a step as a line search tries.
     fn displace(
         &self,
         bundle: &RodBundle,
         from: &State,
         step: &[f64],
-        length: f64,
+        search: &LineSearch,
         state: &mut State,
     ) {
         state.clone_from(from);
         for v in 0..bundle.vertices() {
+            let length = search.length(v);
             let d = DVec3::from_array([0, 1, 2].map(|a| step[self.balance.dof(v, a)]));
             state.position.add(v, d * length);
             if bundle.twisting {
