@@ -75,8 +75,9 @@ pub(crate) fn spread(
                     false => radii[at],
                 };
                 let wide = wide.max(0.5);
-                let covered = (wide + 0.5 - ((dx * dx + dy * dy) as f32).sqrt()).clamp(0.0, 1.0);
-                if covered > 0.0 {
+                let square = (dx * dx + dy * dy) as f32;
+                if square < (wide + 0.5) * (wide + 0.5) {
+                    let covered = (wide + 0.5 - square.sqrt()).min(1.0);
                     let weight = covered / (wide * wide);
                     sum += pixels[at] * weight;
                     total += weight;

@@ -91,7 +91,7 @@ const SAMPLES_PER_LIGHT_RAY: u32 = 8;
 const DRAFT_SCALE: u32 = 2;
 const DRAFT_SAMPLES: u32 = 4;
 /// Depth of field on a ground that is shown: the wood stays sharp, and what lies far behind it does not.
-const GROUND_DEPTH_OF_FIELD: f64 = 0.09;
+const GROUND_DEPTH_OF_FIELD: f64 = 0.075;
 /// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.
 const PROGRESS: [f64; 4] = [0.0, 0.3, 0.6, 0.7];
 

@@ -256,6 +256,9 @@ impl BarkAppearance {
     fn algae(&self, place: DVec3, angle: f64, shade: f64, noises: &mut impl Noises) -> f64 {
         let damp = std::f64::consts::TAU * unit(self.seed ^ PURPOSE, 5, 0, 0);
         let side = smoothstep(ALGAE_SIDE.0, ALGAE_SIDE.1, libm::cos(angle - damp));
+        if side == 0.0 {
+            return 0.0;
+        }
         let size = (DVec3::splat(9.0 * self.furrow_width), 2.0);
         let (patch, _) = self.noise((noises, ALGA_NOISE), self.seed ^ PURPOSE ^ 5, place, size);
         ALGAE_SHARE * side * smoothstep(-0.55, 0.45, patch + 0.7 * shade)

@@ -1,7 +1,7 @@
 //! Tints of wood and of inner bark: no two strips of a stem have one colour. Slow changes between cream and pink, streaks that resin or sap has
 //! soaked, and sapwood that is moist beside the bark (Hoadley, *Understanding Wood*, on the colour of wood and on stains).
 
-use super::mix::mix;
+use super::mix::{mix, visible_detail};
 use super::noises::TINT_NOISES;
 use super::wood::WoodAppearance;
 use crate::noise::{Noises, smoothstep};
@@ -35,20 +35,25 @@ const BAST_TONES: f64 = 0.38;
 const TINT: u64 = 0x71;
 
 impl WoodAppearance {
-    /// Returns the factor on the colour of the wood at a place with a ring coordinate, whose sliver has a tone of −1 to 1.
+    /// Returns the factor on the colour of the wood at a place with a ring coordinate, whose sliver has a tone of −1 to 1; what is
+    /// finer than `footprint` (m) is averaged.
     pub(super) fn tint(
         &self,
         place: DVec3,
         (rho, tone): (f64, f64),
+        footprint: f64,
         noises: &mut impl Noises,
     ) -> DVec3 {
         let mut strips = |n: usize, (width, stretch): (f64, f64)| {
+            let visible = visible_detail(width, footprint);
+            if visible == 0.0 {
+                return 0.0;
+            }
             let (long, period) = periodic_cells(width * stretch, self.period);
             let scale = DVec3::new(1.0 / width, 1.0 / width, 1.0 / long);
             let seed = self.seed ^ TINT ^ ((n as u64) << 8);
-            noises
-                .gradient(TINT_NOISES + n, seed, place * scale, period)
-                .0
+            let number = TINT_NOISES + n;
+            visible * noises.gradient(number, seed, place * scale, period).0
         };
         let warmth = (1.3 * strips(0, STRIP) + SLIVERS * tone).clamp(-1.0, 1.0);
         let mut tint = mix(COOL, WARM, 0.5 + 0.5 * warmth);
@@ -90,7 +95,7 @@ mod tests {
         for i in 0..count {
             let random = |k: i64| unit(3, i, k, 0);
             let place = DVec3::new(random(0), random(1), random(2)) * 0.5;
-            let tint = wood.tint(place, (0.6, 2.0 * random(3) - 1.0), &mut Forgetful);
+            let tint = wood.tint(place, (0.6, 2.0 * random(3) - 1.0), 1e-4, &mut Forgetful);
             sum += tint;
             let warmth = tint.x / tint.z;
             (warmest, coolest) = (warmest.max(warmth), coolest.min(warmth));
@@ -100,7 +105,7 @@ mod tests {
         assert!(warmest > 1.25 * coolest, "{coolest} {warmest}");
         // Along the grain they last.
         let at = |x: f64, z: f64| {
-            let tint = wood.tint(DVec3::new(x, 0.0, z), (0.6, 0.0), &mut Forgetful);
+            let tint = wood.tint(DVec3::new(x, 0.0, z), (0.6, 0.0), 1e-4, &mut Forgetful);
             tint.x / tint.z
         };
         let steps = |dx: f64, dz: f64| -> f64 {

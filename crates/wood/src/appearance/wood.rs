@@ -250,7 +250,7 @@ impl WoodAppearance {
             DVec3::from_array(self.heartwood_color),
             self.heartwood_share(address, place, noises),
         );
-        color *= self.tint(straight, (address.rho, bundles.tone), noises);
+        color *= self.tint(straight, (address.rho, bundles.tone), footprint, noises);
         let late = latewood.darkness;
         let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
         color *= mix(DVec3::ONE, darker, late * LATEWOOD_LINES).max(DVec3::splat(0.1));
