@@ -1,6 +1,6 @@
 //! The top of a workbench: planks that wear, stains and dust have made grey, with the figure of flat-sawn wood, knots and scratches.
 
-use super::GroundSurface;
+use super::look::GroundSurface;
 use super::noise::{smoothstep, unit, value, visible};
 use glam::{Vec2, Vec3};
 

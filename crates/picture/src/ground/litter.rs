@@ -1,6 +1,6 @@
 //! A forest floor: dark soil under layers of fallen leaves.
 
-use super::GroundSurface;
+use super::look::GroundSurface;
 use super::noise::{smoothstep, unit, value, visible};
 use glam::{Vec2, Vec3};
 

@@ -3,11 +3,13 @@
 
 mod bench;
 mod litter;
+mod look;
 mod noise;
 
 use crate::camera::Camera;
-use glam::{DVec2, DVec3, Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use greenstick_schema::choices;
+use look::GroundSurface;
 
 choices! {
     /// What a scene stands on.
@@ -44,14 +46,6 @@ impl Ground {
             false => Ground::Litter,
         }
     }
-}
-
-/// What the ground looks like at a place.
-pub(crate) struct GroundSurface {
-    /// Linear reflectance.
-    pub color: Vec3,
-    /// Rise of its relief along the axes of the pattern, m per m.
-    pub slope: Vec2,
 }
 
 /// A ground as a picture shows it.
@@ -105,7 +99,7 @@ impl ShownGround {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::light::luminance;
+    use glam::Vec2;
 
     /// Mean and standard deviation of the luminance of a ground over a square of 2 m.
     fn statistics(look: fn(Vec2, f32) -> GroundSurface, footprint: f32) -> (f32, f32) {
@@ -113,7 +107,7 @@ mod tests {
         let values: Vec<f32> = (0..n * n)
             .map(|i| {
                 let place = Vec2::new((i % n) as f32, (i / n) as f32) * (2.0 / n as f32);
-                luminance(look(place, footprint).color)
+                look(place, footprint).color.element_sum() / 3.0
             })
             .collect();
         let mean = values.iter().sum::<f32>() / values.len() as f32;
