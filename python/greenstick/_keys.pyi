@@ -52,7 +52,8 @@ class RequestKeys(TypedDict, total=False):
     view: str | float | None
     camera: str | float | None
     close_up: float | str | None
-    depth_of_field: float | str
+    ground: Literal["plain", "bench", "litter"] | None
+    depth_of_field: float | str | None
     coin: bool
     chips: bool
     diameter: float | str
@@ -305,10 +306,15 @@ class RequestAttributes:
     @close_up.setter
     def close_up(self, value: float | str | None) -> None: ...
     @property
-    def depth_of_field(self) -> float:
-        """How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near. Unit: one."""
+    def ground(self) -> Literal["plain", "bench", "litter"] | None:
+        """What the wood stands on; 'auto' puts a break on a workbench, a large one on fallen leaves, and anything else before the plain backdrop."""
+    @ground.setter
+    def ground(self, value: Literal["plain", "bench", "litter"] | None) -> None: ...
+    @property
+    def depth_of_field(self) -> float | None:
+        """How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; 'auto' is a little on a ground and nothing before the plain backdrop. Unit: one."""
     @depth_of_field.setter
-    def depth_of_field(self, value: float | str) -> None: ...
+    def depth_of_field(self, value: float | str | None) -> None: ...
     @property
     def coin(self) -> bool:
         """Lays a coin of one euro, 23 mm wide, in front of the wood, for scale."""
@@ -487,6 +493,10 @@ class RequestAttributes:
     ]) -> Literal["mm", "cm", "m"] | None: ...
     @overload
     def __getitem__(self, key: Literal[
+        "ground",
+    ]) -> Literal["plain", "bench", "litter"] | None: ...
+    @overload
+    def __getitem__(self, key: Literal[
         "kind",
     ]) -> Literal["round", "board", "dowel", "pole"] | None: ...
     @overload
@@ -500,11 +510,11 @@ class RequestAttributes:
     ]) -> bool: ...
     @overload
     def __getitem__(self, key: Literal[
-        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
-        "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
-        "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
-        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
-        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
+        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "diameter", "inclination",
+        "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion", "thorn_shaft",
+        "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz", "step_height",
+        "split", "compression_shelf", "compression_height", "bark_offset", "bark_height", "hang",
+        "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
         "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
         "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
         "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
@@ -530,8 +540,8 @@ class RequestAttributes:
     @overload
     def __getitem__(self, key: Literal[
         "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
-        "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage",
-        "crack_groups.small.shrinkage",
+        "depth_of_field", "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage",
+        "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ]) -> float | None: ...
     @overload
     def __getitem__(self, key: Literal[
@@ -587,6 +597,10 @@ class RequestAttributes:
     ], value: Literal["mm", "cm", "m"] | None) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
+        "ground",
+    ], value: Literal["plain", "bench", "litter"] | None) -> None: ...
+    @overload
+    def __setitem__(self, key: Literal[
         "kind",
     ], value: Literal["round", "board", "dowel", "pole"] | None) -> None: ...
     @overload
@@ -600,11 +614,11 @@ class RequestAttributes:
     ], value: bool) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "depth_of_field", "diameter",
-        "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
-        "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
-        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
-        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
+        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "diameter", "inclination",
+        "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion", "thorn_shaft",
+        "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz", "step_height",
+        "split", "compression_shelf", "compression_height", "bark_offset", "bark_height", "hang",
+        "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
         "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
         "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
         "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
@@ -630,8 +644,8 @@ class RequestAttributes:
     @overload
     def __setitem__(self, key: Literal[
         "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
-        "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage",
-        "crack_groups.small.shrinkage",
+        "depth_of_field", "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage",
+        "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ], value: float | str | None) -> None: ...
     @overload
     def __setitem__(self, key: Literal[

@@ -4,8 +4,8 @@ use crate::session::{Broken, BrokenWood};
 use glam::DVec3;
 use greenstick_geometry::{Context, Material, Scene};
 use greenstick_picture::{
-    Appearance, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere, View,
-    azimuth_of_view, render_scene,
+    Appearance, Ground, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere,
+    View, azimuth_of_view, render_scene,
 };
 use greenstick_skin::view::{self, BreakView};
 use greenstick_skin::{WoodField, materials};
@@ -277,6 +277,7 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
         return;
     };
     let sight = view.sight(broken.hinge);
+    options.ground = options.ground.or_else(|| Some(Ground::under(&points)));
     (options.shown, options.up) = (points, sight.up);
     if options.view == View::Automatic {
         options.view = View::Direction {

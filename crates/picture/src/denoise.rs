@@ -103,7 +103,7 @@ fn each(neighbours: &Neighbours, value: impl Fn([usize; 2]) -> Noisy + Sync) -> 
 fn first_pass(neighbours: &Neighbours, light: &[Light], at: [usize; 2]) -> Noisy {
     let centre = at[1] * neighbours.size[0] + at[0];
     let here = &neighbours.places[centre];
-    if here.met == Met::Background {
+    if here.met.is_unlit() {
         return Noisy::default();
     }
     let mut sum = Noisy::default();
@@ -149,7 +149,7 @@ fn further_pass(neighbours: &Neighbours, noisy: &[Noisy], at: [usize; 2], distan
     let centre = at[1] * neighbours.size[0] + at[0];
     let here = &neighbours.places[centre];
     let own = noisy[centre];
-    if here.met == Met::Background {
+    if here.met.is_unlit() {
         return own;
     }
     let own_values = values(&own.light);

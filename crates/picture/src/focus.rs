@@ -56,17 +56,17 @@ pub(crate) fn spread(
         (2.0 * LARGEST_DISC * strength as f32 * away.abs()).min(MAX_RADIUS) * height
     };
     let radii: Vec<f32> = depths.iter().map(|&d| radius(d)).collect();
-    let largest = radii.iter().copied().fold(0.0, f32::max);
-    let reach = largest.ceil() as i64;
+    let reach = Reach::new(&radii, size);
     let pixel = |x: usize, y: usize| {
         let own = y * size[0] + x;
+        let reach = reach.at(x, y);
+        if reach == 0 {
+            return pixels[own];
+        }
         let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-        for dy in -reach..=reach {
-            for dx in -reach..=reach {
-                let (a, b) = (x as i64 + dx, y as i64 + dy);
-                if a < 0 || b < 0 || a >= size[0] as i64 || b >= size[1] as i64 {
-                    continue;
-                }
+        for b in (y as i64 - reach).max(0)..=(y as i64 + reach).min(size[1] as i64 - 1) {
+            for a in (x as i64 - reach).max(0)..=(x as i64 + reach).min(size[0] as i64 - 1) {
+                let (dx, dy) = (a - x as i64, b - y as i64);
                 let at = b as usize * size[0] + a as usize;
                 // What lies behind is not spread over what is before it.
                 let wide = match depths[at] > depths[own] {
@@ -75,8 +75,9 @@ pub(crate) fn spread(
                     false => radii[at],
                 };
                 let wide = wide.max(0.5);
-                let covered = (wide + 0.5 - ((dx * dx + dy * dy) as f32).sqrt()).clamp(0.0, 1.0);
-                if covered > 0.0 {
+                let square = (dx * dx + dy * dy) as f32;
+                if square < (wide + 0.5) * (wide + 0.5) {
+                    let covered = (wide + 0.5 - square.sqrt()).min(1.0);
                     let weight = covered / (wide * wide);
                     sum += pixels[at] * weight;
                     total += weight;
@@ -90,4 +91,52 @@ pub(crate) fn spread(
         .into_par_iter()
         .flat_map_iter(move |y| (0..size[0]).map(move |x| pixel(x, y)))
         .collect()
+}
+
+/// Side of the blocks of pixels whose largest radius is known, pixels.
+const BLOCK: usize = 16;
+/// Radius up to which a pixel is not spread: it covers its neighbours by less than can be seen.
+const SHARP_RADIUS: f32 = 0.75;
+
+/// How far around a pixel others are spread over it: not far in most of a picture.
+struct Reach {
+    /// Rows and columns of blocks with the largest radius in each or in one from which it may be reached, pixels.
+    largest: Vec<f32>,
+    columns: usize,
+}
+
+impl Reach {
+    fn new(radii: &[f32], [width, height]: [usize; 2]) -> Reach {
+        let columns = width.div_ceil(BLOCK);
+        let rows = height.div_ceil(BLOCK);
+        let mut own = vec![0.0f32; columns * rows];
+        for (i, &radius) in radii.iter().enumerate() {
+            let block = &mut own[i / width / BLOCK * columns + i % width / BLOCK];
+            *block = block.max(radius);
+        }
+        let all = own.iter().copied().fold(0.0, f32::max);
+        let blocks = (all.ceil() as usize).div_ceil(BLOCK);
+        let around = |i: usize| {
+            let (x, y) = (i % columns, i / columns);
+            let rows = y.saturating_sub(blocks)..=(y + blocks).min(rows - 1);
+            let near = rows.flat_map(|b| {
+                let columns_near = x.saturating_sub(blocks)..=(x + blocks).min(columns - 1);
+                columns_near.map(move |a| b * columns + a)
+            });
+            near.map(|block| own[block]).fold(0.0, f32::max)
+        };
+        Reach {
+            largest: (0..own.len()).map(around).collect(),
+            columns,
+        }
+    }
+
+    /// The distance from which others may be spread over a pixel, pixels; 0 where it stays as it is.
+    fn at(&self, x: usize, y: usize) -> i64 {
+        let largest = self.largest[y / BLOCK * self.columns + x / BLOCK];
+        match largest > SHARP_RADIUS {
+            true => largest.ceil() as i64,
+            false => 0,
+        }
+    }
 }

@@ -2,6 +2,7 @@
 //! the background.
 
 use crate::camera::Camera;
+use crate::ground::ShownGround;
 use glam::{DVec3, Vec3};
 
 /// A distant light: a round patch of sky, the same for the whole scene.
@@ -24,10 +25,12 @@ pub(crate) struct Light {
     pub indirect: Vec3,
 }
 
-/// A horizontal plane that shows only shadows, as a darkened background. Shadows fade with the distance from the scene.
+/// A horizontal plane that shows shadows: on a ground, or else only those, as a darkened background. Shadows fade with the distance
+/// from the scene.
 pub(crate) struct Floor {
     /// Position along the upward direction, m.
     pub level: f64,
+    pub ground: Option<ShownGround>,
 }
 
 /// All sources of light.
@@ -50,6 +53,8 @@ const KEY_LIGHT_COSINE: f32 = 0.9848;
 const RIM_LIGHT_COSINE: f32 = 0.94;
 /// Radiance of the floor as seen from items: it returns the warm key light.
 const FLOOR_RADIANCE: Vec3 = Vec3::new(0.205, 0.18, 0.15);
+/// How much darker a ground is in the corners of the picture.
+const VIGNETTE: f32 = 0.28;
 
 impl Floor {
     /// The distance along a ray at which it meets the floor from above.
@@ -116,9 +121,10 @@ impl Studio {
                 ),
             ],
             sky: [Vec3::new(0.200, 0.210, 0.230), FLOOR_RADIANCE * 0.7],
-            floor: floor_level
-                .filter(is_below_camera)
-                .map(|level| Floor { level }),
+            floor: floor_level.filter(is_below_camera).map(|level| Floor {
+                level,
+                ground: None,
+            }),
             background: [background, background * 0.55],
         }
     }
@@ -147,9 +153,12 @@ impl Studio {
 
     /// Background at a point of the picture, in coordinates from −1 to 1.
     pub fn background(&self, x: f64, y: f64) -> Vec3 {
-        let far = (((x * x + y * y) * 0.5) as f32).min(1.0);
-        self.background[0]
-            + (self.background[1] - self.background[0]) * (far * far * (3.0 - 2.0 * far))
+        self.background[0] + (self.background[1] - self.background[0]) * corner(x, y)
+    }
+
+    /// What a lens leaves of the light at a point of the picture, in coordinates from −1 to 1.
+    pub fn vignette(&self, x: f64, y: f64) -> f32 {
+        1.0 - VIGNETTE * corner(x, y)
     }
 
     /// How open the floor is to the sky where its irradiance from there is `indirect`, 0 to 1.
@@ -157,13 +166,19 @@ impl Studio {
         (luminance(indirect) / luminance(self.sky_irradiance(self.up))).min(1.0)
     }
 
-    /// Luminance of the irradiance on the floor without shadows.
-    pub fn unshadowed_floor(&self) -> f32 {
+    /// Irradiance on a surface without anything in its way.
+    pub fn unshadowed(&self, normal: Vec3) -> Vec3 {
         let lamps: Vec3 = (self.lamps.iter())
-            .map(|l| l.irradiance * l.cosine_to(self.up))
+            .map(|l| l.irradiance * l.cosine_to(normal))
             .sum();
-        luminance(self.sky_irradiance(self.up) + lamps)
+        self.sky_irradiance(normal) + lamps
     }
+}
+
+/// How near a point of the picture is to a corner, 0 to 1.
+fn corner(x: f64, y: f64) -> f32 {
+    let far = (((x * x + y * y) * 0.5) as f32).min(1.0);
+    far * far * (3.0 - 2.0 * far)
 }
 
 /// The luminance of a linear colour (ITU-R BT.709).

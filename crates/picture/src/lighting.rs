@@ -5,7 +5,7 @@
 use crate::light::{Lamp, Light, Studio};
 use crate::sampling::{Purpose, Sampler, cone_direction, cosine_direction};
 use crate::scene::Scene;
-use crate::surface::{Met, Place};
+use crate::surface::Place;
 use glam::Vec3;
 use std::f32::consts::PI;
 use std::ops::Range;
@@ -26,7 +26,7 @@ const MAX_DEPTHS: f32 = 4.0;
 impl Scene<'_> {
     /// The light at a place, from `rays` rays to the key light, as many indirect ones, and half as many to the rim light.
     pub fn light_at(&self, studio: &Studio, place: &Place, sampler: &Sampler, rays: u32) -> Light {
-        if place.met == Met::Background {
+        if place.met.is_unlit() {
             return Light::default();
         }
         let mut light = Light::default();

@@ -1,8 +1,13 @@
 //! What is asked of a picture.
 
+<<<<<<< HEAD
 use crate::{CameraPlacement, MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
 use glam::DVec3;
 use greenstick_schema::{Unit, count, flag, number, parameters, text, text_field};
+=======
+use crate::{Ground, MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
+use greenstick_schema::{Unit, choice, count, flag, number, parameters, text, text_field};
+>>>>>>> ee2d0c62637088bb95b3c033c417e9a7e8b1f758
 use std::str::FromStr;
 
 /// Width and height of a picture, pixels.
@@ -139,8 +144,10 @@ parameters! {
             camera: Option<CameraPlacement> = None, text(CAMERA).auto();
             /// How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; "auto" shows everything.
             close_up: Option<f64> = None, number(Unit::One, 0.5, 1000.0).auto().logarithmic();
-            /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near.
-            depth_of_field: f64 = 0.0, number(Unit::One, 0.0, 1.0);
+            /// What the wood stands on; "auto" puts a break on a workbench, a large one on fallen leaves, and anything else before the plain backdrop.
+            ground: Option<Ground> = None, choice(Ground::CHOICES).auto();
+            /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; "auto" is a little on a ground and nothing before the plain backdrop.
+            depth_of_field: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();
             /// Lays a coin of one euro, 23 mm wide, in front of the wood, for scale.
             coin: bool = false, flag();
             /// Strews chips of torn wood about a break.
@@ -163,6 +170,7 @@ impl PictureParameters {
             }),
             camera: self.camera,
             close_up: self.close_up,
+            ground: self.ground,
             depth_of_field: self.depth_of_field,
             coin: self.coin,
             chips: self.chips,

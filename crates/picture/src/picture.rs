@@ -18,6 +18,36 @@ pub struct Picture {
 /// End of the linear part of the tone curve, which preserves the colours of wood; above, the curve bends towards white.
 const TONE_CURVE_SHOULDER: f32 = 0.65;
 
+/// What turns light into the levels of a picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Film {
+    /// Keeps the ratios of colours up to the shoulder of the tone curve.
+    Even,
+    /// Has the contrast of a photograph: shadows are darker and lights lighter than they were.
+    Photographic,
+}
+
+/// Gamma and exposure of the photographic film: together they keep a tenth of white and raise what is lighter.
+const PHOTOGRAPHIC_GAMMA: f64 = 1.16;
+const PHOTOGRAPHIC_EXPOSURE: f32 = 1.36;
+
+impl Film {
+    fn exposure(self) -> f32 {
+        match self {
+            Film::Even => 1.0,
+            Film::Photographic => PHOTOGRAPHIC_EXPOSURE,
+        }
+    }
+
+    /// A value of the tone curve as the film shows it, both 0 to 1.
+    fn developed(self, v: f64) -> f64 {
+        match self {
+            Film::Even => v,
+            Film::Photographic => libm::pow(v, PHOTOGRAPHIC_GAMMA),
+        }
+    }
+}
+
 /// Steps of the table of the sRGB transfer function, whose values lie less than 0.02 of a level of 255 from it.
 const CURVE_STEPS: usize = 4096;
 /// Places in which the levels between two of 255 are shown by a pattern of both, so that slow gradients have no bands: an
@@ -43,14 +73,14 @@ const fn bayer() -> [[u8; 8]; 8] {
 
 impl Picture {
     /// Tone-maps linear radiance.
-    pub(crate) fn from_radiance(width: u32, height: u32, radiance: &[Vec3]) -> Picture {
+    pub(crate) fn from_radiance(width: u32, height: u32, radiance: &[Vec3], film: Film) -> Picture {
         // The square root spreads the dark part of the curve, where it is steepest.
         let curve: Vec<f32> = (0..=CURVE_STEPS)
             .map(|i| i as f64 / CURVE_STEPS as f64)
-            .map(|root| (encode_srgb(root * root) * 255.0) as f32)
+            .map(|root| (encode_srgb(film.developed(root * root)) * 255.0) as f32)
             .collect();
         let level = |v: f32| {
-            let place = tone_mapped(v).sqrt() * CURVE_STEPS as f32;
+            let place = tone_mapped(v * film.exposure()).sqrt() * CURVE_STEPS as f32;
             let step = (place as usize).min(CURVE_STEPS - 1);
             curve[step] + (curve[step + 1] - curve[step]) * (place - step as f32)
         };

@@ -6,9 +6,10 @@ use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
 use crate::focus::spread;
+use crate::ground::{Ground, ShownGround};
 use crate::item::Item;
 use crate::light::Studio;
-use crate::picture::Picture;
+use crate::picture::{Film, Picture};
 use crate::resolve::{Frame, Resolve};
 use crate::scene::{Scene, world_points};
 use crate::shader::Shader;
@@ -36,8 +37,10 @@ pub struct PictureOptions {
     pub zoom: Option<Sphere>,
     /// How much whoever knows where the wood is broken shows of it as `zoom`, in diameters of the stem; [`render`] does not look at it.
     pub close_up: Option<f64>,
-    /// How much what lies before and behind the focus is blurred, 0 to 1.
-    pub depth_of_field: f64,
+    /// What the scene stands on, where it has a floor; [`render`] takes `None` as the plain backdrop.
+    pub ground: Option<Ground>,
+    /// How much what lies before and behind the focus is blurred, 0 to 1; `None` is a little on a ground that is shown.
+    pub depth_of_field: Option<f64>,
     /// Whether a coin lies on the floor in front of the scene, for scale.
     pub coin: bool,
     /// Whether whoever opens broken wood for the picture strews chips of it about; [`render`] does not look at it.
@@ -71,7 +74,8 @@ impl PictureOptions {
             camera: None,
             zoom: None,
             close_up: None,
-            depth_of_field: 0.0,
+            ground: None,
+            depth_of_field: None,
             coin: false,
             chips: true,
             shown: Vec::new(),
@@ -89,6 +93,8 @@ const SAMPLES_PER_LIGHT_RAY: u32 = 8;
 /// How many times wider and higher than it is rendered a draft is, and its most camera rays per pixel.
 const DRAFT_SCALE: u32 = 2;
 const DRAFT_SAMPLES: u32 = 4;
+/// Depth of field on a ground that is shown: the wood stays sharp, and what lies far behind it does not.
+const GROUND_DEPTH_OF_FIELD: f64 = 0.075;
 /// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.
 const PROGRESS: [f64; 4] = [0.0, 0.3, 0.6, 0.7];
 
@@ -181,7 +187,16 @@ pub fn render(
     let scene = Scene::new(items, &points);
     drop(points);
     let floor = options.floor.then_some(level);
-    let studio = Studio::new(&camera, up, floor, options.background);
+    let mut studio = Studio::new(&camera, up, floor, options.background);
+    if let (Some(floor), Some(kind)) = (&mut studio.floor, options.ground) {
+        floor.ground = ShownGround::new(kind, &camera, up, scene.bounds.centre);
+    }
+    let is_ground_shown = studio.floor.as_ref().is_some_and(|f| f.ground.is_some());
+    let (usual, film) = match is_ground_shown {
+        true => (GROUND_DEPTH_OF_FIELD, Film::Photographic),
+        false => (0.0, Film::Even),
+    };
+    let depth_of_field = options.depth_of_field.unwrap_or(usual);
     let frame = Frame {
         scene: &scene,
         studio: &studio,
@@ -190,9 +205,9 @@ pub fn render(
         samples,
         rays: samples.div_ceil(SAMPLES_PER_LIGHT_RAY),
     };
-    let radiance = radiance(&frame, options.depth_of_field, context)?;
+    let radiance = radiance(&frame, depth_of_field, context)?;
     let radiance = enlarge(radiance, rendered, size);
-    Ok(Picture::from_radiance(size[0], size[1], &radiance))
+    Ok(Picture::from_radiance(size[0], size[1], &radiance, film))
 }
 
 /// The camera of a picture of `size` pixels in which `points` are to be seen.

@@ -66,7 +66,7 @@ impl Frame<'_> {
     /// The light at what is seen there.
     pub fn light(&self, neighbours: &Neighbours, x: usize, y: usize) -> Light {
         let place = &neighbours.places[y * self.size[0] + x];
-        if place.met == Met::Background {
+        if place.met.is_unlit() {
             return Light::default();
         }
         let support = neighbours.support([x, y]);
@@ -79,7 +79,7 @@ impl Frame<'_> {
     pub fn refined(&self, neighbours: &Neighbours, light: &[Light], x: usize, y: usize) -> Light {
         let at = y * self.size[0] + x;
         let place = &neighbours.places[at];
-        if place.met == Met::Background || neighbours.support([x, y]) < SMOOTH_SUPPORT {
+        if place.met.is_unlit() || neighbours.support([x, y]) < SMOOTH_SUPPORT {
             return light[at];
         }
         let (mut low, mut high) = (1.0f32, 0.0f32);
@@ -176,9 +176,12 @@ impl Resolve<'_> {
             .any(|i| {
                 let there = &self.neighbours.places[i];
                 let is_empty = here.met == Met::Background && there.met == Met::Background;
+                // Detail of a ground is averaged over a pixel where it is made.
+                let is_ground = is_ground(here.met) && is_ground(there.met);
                 !is_empty
                     && (likeness(here, there) < EDGE_LIKENESS
-                        || contrast(own, luminance(self.centres[i])) > DETAIL_CONTRAST)
+                        || !is_ground
+                            && contrast(own, luminance(self.centres[i])) > DETAIL_CONTRAST)
             })
     }
 
@@ -191,7 +194,7 @@ impl Resolve<'_> {
         sampler: &Sampler,
         index: u32,
     ) -> Light {
-        if seen.place.met == Met::Background {
+        if seen.place.met.is_unlit() {
             return Light::default();
         }
         let mut sum = Light::default();
@@ -226,6 +229,11 @@ impl Resolve<'_> {
             indirect: sum.indirect / total,
         }
     }
+}
+
+/// Whether a ray met the floor.
+fn is_ground(met: Met) -> bool {
+    matches!(met, Met::Floor | Met::FarGround)
 }
 
 /// How much two luminances differ.

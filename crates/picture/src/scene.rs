@@ -8,6 +8,7 @@ use crate::light::Studio;
 use crate::shader::Hit;
 use crate::surface::{Met, Place, Seen, single, valid_appearance};
 use glam::{DVec3, Vec3};
+use std::f32::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The items in a hierarchy.
@@ -335,13 +336,27 @@ impl<'a> Scene<'a> {
         };
         let position = camera.origin + direction * distance - self.bounds.centre;
         let away = (position.length() / self.bounds.radius - 1.0) * SHADOW_FADE;
-        if away >= 1.0 {
+        if away >= 1.0 && floor.ground.is_none() {
             return background;
         }
-        let fade = away.max(0.0) as f32;
+        let fade = away.clamp(0.0, 1.0) as f32;
+        let color = match &floor.ground {
+            Some(ground) => {
+                let at = camera.origin + direction * distance;
+                let slant = (distance, direction.dot(studio.up.as_dvec3()));
+                let (color, normal) = ground.at(at, studio.up.as_dvec3(), slant);
+                color * studio.unshadowed(normal) / PI * studio.vignette(u, v)
+            }
+            None => background.color,
+        };
         Seen {
+            color,
             place: Place {
-                met: Met::Floor,
+                met: if away < 1.0 {
+                    Met::Floor
+                } else {
+                    Met::FarGround
+                },
                 position: position.as_vec3(),
                 normal: studio.up,
                 geometric_normal: studio.up,

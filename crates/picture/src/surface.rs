@@ -27,7 +27,16 @@ const LEAST_CONTACT: f32 = 0.4;
 pub(crate) enum Met {
     Item(u32),
     Floor,
+    /// The ground so far from the scene that no shadows fall there.
+    FarGround,
     Background,
+}
+
+impl Met {
+    /// Whether no light is traced there: its radiance is its colour.
+    pub fn is_unlit(self) -> bool {
+        matches!(self, Met::FarGround | Met::Background)
+    }
 }
 
 /// Where a camera ray ends: what light and filter need to know of it.
@@ -66,19 +75,22 @@ impl Seen {
     /// The radiance towards the viewer in the light at its place.
     pub fn radiance(&self, studio: &Studio, light: &Light) -> Vec3 {
         match self.place.met {
-            Met::Background => self.color,
+            Met::Background | Met::FarGround => self.color,
             Met::Floor => {
-                let lamps: f32 = (studio.lamps.iter().zip(light.lamps))
-                    .map(|(lamp, share)| {
-                        luminance(lamp.irradiance) * lamp.cosine_to(studio.up) * share
-                    })
+                let lamps: Vec3 = (studio.lamps.iter().zip(light.lamps))
+                    .map(|(lamp, share)| lamp.irradiance * lamp.cosine_to(studio.up) * share)
                     .sum();
                 // Next to the wood the floor sees little else: light that it has returned itself is missing there too.
                 let hidden = 1.0 - studio.floor_openness(light.indirect);
                 let contact = (1.0 - CONTACT * hidden * hidden * hidden).max(LEAST_CONTACT);
-                let shade =
-                    contact * (lamps + luminance(light.indirect)) / studio.unshadowed_floor();
-                self.color * (1.0 + (shade - 1.0) * self.shadows)
+                let (lit, full) = (lamps + light.indirect, studio.unshadowed(studio.up));
+                let is_plain = studio.floor.as_ref().is_none_or(|f| f.ground.is_none());
+                // On a ground the sky colours shadows; a backdrop stays grey.
+                let left = match is_plain {
+                    true => Vec3::splat(luminance(lit) / luminance(full)),
+                    false => lit / full,
+                };
+                self.color * (Vec3::ONE + (left * contact - Vec3::ONE) * self.shadows)
             }
             Met::Item(_) => {
                 let mut sum = self.color * light.indirect / PI;

@@ -3,7 +3,11 @@
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Attribute, CancelToken, Context, Mesh};
 use greenstick_picture::{
+<<<<<<< HEAD
     CameraPlacement, Item, Picture, PictureError, PictureOptions, PlainShader, Sphere, View, render,
+=======
+    Ground, Item, Picture, PictureError, PictureOptions, PlainShader, Sphere, View, render,
+>>>>>>> ee2d0c62637088bb95b3c033c417e9a7e8b1f758
 };
 
 /// A unit cube around the origin with vertex colours, red at the top and blue at the bottom.
@@ -385,7 +389,7 @@ fn what_is_out_of_focus_is_blurred_and_the_rest_is_not() {
                 radius: 2.0,
             }),
             floor: false,
-            depth_of_field,
+            depth_of_field: Some(depth_of_field),
             ..small()
         };
         render(&items, &options, &Context::quiet()).unwrap()
@@ -407,6 +411,7 @@ fn what_is_out_of_focus_is_blurred_and_the_rest_is_not() {
 }
 
 #[test]
+<<<<<<< HEAD
 fn a_placed_camera_stays_whatever_is_to_fit_into_the_picture() {
     // A sphere of radius 1 fills the view from +Z; 25° across the shorter side is the default of both.
     let zoomed = PictureOptions {
@@ -446,4 +451,62 @@ fn a_placed_camera_stays_whatever_is_to_fit_into_the_picture() {
         ..placed
     };
     assert_eq!(render_cube(&other).unwrap(), picture);
+=======
+fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
+    let mesh = cube();
+    let shader = PlainShader::uniform([1.0; 3]);
+    let items = [Item {
+        mesh: &mesh,
+        transform: DAffine3::from_scale(DVec3::splat(0.1)),
+        shader: &shader,
+    }];
+    let with = |ground, floor, depth_of_field| {
+        let options = PictureOptions {
+            width: 320,
+            height: 240,
+            samples: 4,
+            ground: Some(ground),
+            floor,
+            depth_of_field,
+            view: View::Direction {
+                azimuth: 0.5,
+                elevation: 0.35,
+            },
+            zoom: Some(Sphere {
+                centre: DVec3::ZERO,
+                radius: 0.2,
+            }),
+            ..small()
+        };
+        render(&items, &options, &Context::quiet()).unwrap()
+    };
+    let row = |picture: &Picture, y: usize| -> Vec<i32> {
+        let at = |x: usize| i32::from(picture.rgb[(y * 320 + x) * 3 + 1]);
+        (0..320).map(at).collect()
+    };
+    let roughness = |picture: &Picture, y: usize| -> i32 {
+        let row = row(picture, y);
+        row.windows(3).map(|p| (p[2] - p[0]).pow(2)).sum()
+    };
+    for ground in [Ground::Bench, Ground::Litter] {
+        let sharp = with(ground, true, Some(0.0));
+        let plain = with(Ground::Plain, true, Some(0.0));
+        assert!(
+            roughness(&sharp, 232) > 3 * roughness(&plain, 232),
+            "{ground:?}: {} {}",
+            roughness(&sharp, 232),
+            roughness(&plain, 232)
+        );
+        let soft = with(ground, true, Some(0.6));
+        assert!(
+            2 * roughness(&soft, 16) < roughness(&sharp, 16),
+            "{ground:?}: {} {}",
+            roughness(&soft, 16),
+            roughness(&sharp, 16)
+        );
+        // There is a ground only where there is a floor.
+        let none = [ground, Ground::Plain].map(|g| with(g, false, Some(0.0)));
+        assert_eq!(none[0], none[1]);
+    }
+>>>>>>> ee2d0c62637088bb95b3c033c417e9a7e8b1f758
 }

@@ -428,6 +428,16 @@ fn tissue(color: vec3<f32>, tissue_color: vec3<f32>, speck: f32, shade: f32, end
     return mix(color, tissue_color * ((1.0 + speck + 0.8 * shade) * (1.0 - 0.15 * end)), inside);
 }
 
+// The tint of the wood: strips between cream and pink, streaks that are soaked, and moist sapwood beside the bark.
+fn tint_at(place: vec3<f32>, rho: f32, tone: f32) -> vec3<f32> {
+    let strip = noise(wood.seed.x ^ 0x71u, place / vec3<f32>(6.5e-3, 6.5e-3, 169e-3)).w;
+    let warmth = clamp(1.3 * strip + 0.5 * tone, -1.0, 1.0);
+    var tint = mix(vec3<f32>(0.965, 1.01, 1.10), vec3<f32>(1.04, 0.99, 0.89), 0.5 + 0.5 * warmth);
+    let soaked = noise(wood.seed.x ^ 0x171u, place / vec3<f32>(2.6e-3, 2.6e-3, 109e-3)).w;
+    tint *= mix(vec3<f32>(1.0), vec3<f32>(0.88, 0.76, 0.60), smoothstep(0.30, 0.58, soaked + 0.12 * tone));
+    return tint * mix(vec3<f32>(1.0), vec3<f32>(0.97, 0.99, 0.86), smoothstep(wood.edges.w - 0.16, wood.edges.w, rho));
+}
+
 fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprint: f32) -> Look {
     let end = clamp(end0, 0.0, 1.0);
     let place = vec3<f32>(across, along);
@@ -460,6 +470,7 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
         heart = 1.0 - smoothstep(edge - 0.035, edge + 0.025, rho);
     }
     var color = mix(wood.sapwood.rgb, wood.heartwood.rgb, heart);
+    color *= tint_at(place, rho, bundles.tone);
     color *= mix(vec3<f32>(1.0), wood.latewood.rgb / max(wood.sapwood.rgb, vec3<f32>(1e-3)), late);
     color *= 1.0 - 0.30 * end * (1.0 - 0.25 * late);
     color *= vec3<f32>(1.0) - vec3<f32>(0.50, 0.58, 0.66) * vessel;
@@ -483,8 +494,14 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
         let outwards = dot(facing, across) / max(length(facing) * length(across), 1e-9);
         let peeled = smoothstep(0.15, 0.5, outwards) * (1.0 - end);
         let strings = 0.75 * smoothstep(0.42, 0.62, bundles.tone + 0.35 * ragged);
-        let in_phloem = smoothstep(wood.edges.w - soft, wood.edges.w + soft, wavy) * (1.0 - peeled * (1.0 - strings));
-        color = tissue(color, wood.phloem.rgb, 0.20 * speck, streaks.shade, end, in_phloem);
+        // What looks outwards farther from the cambium is inner bark that the outer bark came off.
+        let inner = max(wood.rings.x - wood.edges.w, 1e-6);
+        let bare = 1.0 - smoothstep(0.35, 0.75, (rho - wood.edges.w) / inner);
+        let in_phloem = smoothstep(wood.edges.w - soft, wood.edges.w + soft, wavy) * (1.0 - peeled * bare * (1.0 - strings));
+        let living = 1.0 - smoothstep(0.0, 0.7, (wavy - wood.edges.w) / inner + 0.3 * bundles.tone);
+        let pale = mix(wood.phloem.rgb, wood.sapwood.rgb * vec3<f32>(0.86, 0.90, 0.72), 0.45);
+        let bast = mix(wood.phloem.rgb * (1.0 + 0.38 * bundles.tone), pale, living);
+        color = tissue(color, bast, 0.20 * speck, streaks.shade, end, in_phloem);
         let in_cork = smoothstep(wood.rings.x - soft, wood.rings.x + soft, wavy) * (1.0 - peeled);
         color = tissue(color, wood.cork.rgb, 0.42 * speck, streaks.shade, end, in_cork);
     }
@@ -586,7 +603,12 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     }
     let patchy = noise(seed ^ 3u, place * vec3<f32>(1.0, 1.0, 0.7) / (5.0 * width)).w;
     let lichen = 0.62 * smoothstep(0.30, 0.46, patchy + 0.8 * shade);
-    let weathered = mix(wood.ridge.rgb, vec3<f32>(0.27, 0.275, 0.225), max(lichen, clamp(0.34 + 0.3 * patchy, 0.0, 0.68)));
+    var weathered = mix(wood.ridge.rgb, vec3<f32>(0.27, 0.275, 0.225), max(lichen, clamp(0.34 + 0.3 * patchy, 0.0, 0.68)));
+    // Algae grow on the side that stays damp.
+    let damp = 6.2831853 * unit(seed, 5, 0, 0);
+    let side = smoothstep(-0.35, 1.0, dot(place.xy, vec2<f32>(cos(damp), sin(damp))) / max(length(place.xy), 1e-6));
+    let alga = noise(seed ^ 5u, place * vec3<f32>(1.0, 1.0, 0.5) / (9.0 * width)).w;
+    weathered = mix(weathered, vec3<f32>(0.128, 0.142, 0.066), 0.55 * side * smoothstep(-0.55, 0.45, alga + 0.7 * shade));
     var look: Look;
     var color = mix(wood.furrow.rgb, weathered, ridge) * max(1.0 + 1.3 * shade, 0.15);
     if (wood.vessels.w > 0.0) {

@@ -18,6 +18,11 @@ const BARK_REACH: f64 = 0.25;
 /// How far strings of inner bark reach from the bark of a field's face, next to the wood, over that overhang; next to the
 /// bark it is less by one.
 const STRING_REACH: f64 = 1.3;
+/// How far inner bark stands beyond the outer bark of a strip, or stays behind it, in bark heights: its fibres are tougher, and go with
+/// one half or the other.
+const INNER_FRINGE: f64 = 0.16;
+/// In the hash: which of both.
+const FRINGE: u64 = 0xf419;
 /// Distances from the border of a layer over which it runs out in the bark, radii.
 const BARK_ROOT: f64 = 0.08;
 
@@ -158,7 +163,12 @@ impl TornRelief<'_> {
             }
         };
         // It tears at other heights than the bark outside of it.
-        let bark = level + height * (end.strip_end + 0.9 * heavy(long) - 0.1);
+        let stands = match noise::unit(self.model.p.seed ^ FRINGE, i64::from(end.strip), 0, 0) < 0.5
+        {
+            true => INNER_FRINGE,
+            false => -INNER_FRINGE,
+        };
+        let bark = level + height * (end.strip_end + 0.9 * heavy(long) - 0.1 + stands);
         base + (bark - base) * with
     }
 }

@@ -3,9 +3,11 @@
 use glam::{DAffine3, DVec3};
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Mesh, Node, Scene};
-use greenstick::picture::{PictureOptions, View};
+use greenstick::picture::{Ground, PictureOptions, View};
 use greenstick::wood::primitive;
-use greenstick::{Break, BreakRequest, break_scene, built_in_branch, picture_of_break};
+use greenstick::{
+    Break, BreakRequest, break_scene, built_in_branch, picture_of_break, picture_of_scene,
+};
 use std::collections::BTreeSet;
 
 fn board() -> Scene {
@@ -152,6 +154,7 @@ fn a_hanging_piece_is_shown_with_its_bark() {
             azimuth: 30_f64.to_radians(),
             elevation: 75_f64.to_radians(),
         },
+        ground: Some(Ground::Plain),
         ..PictureOptions::default()
     };
     let picture = picture_of_break(&broken, &options, &Context::quiet()).unwrap();
@@ -167,4 +170,39 @@ fn a_hanging_piece_is_shown_with_its_bark() {
     }
     assert!(bark > 1000, "{bark}");
     assert!(inside * 50 < bark, "{inside} of {bark}");
+}
+
+/// A break stands on a ground that suits its size, unless the plain backdrop is asked for; what is no break does not.
+#[test]
+fn a_break_stands_on_a_ground() {
+    let request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::default()
+    };
+    let broken = break_scene(built_in_branch(), &request, &Context::quiet()).unwrap();
+    let options = |ground| PictureOptions {
+        width: 90,
+        height: 70,
+        samples: 1,
+        ground,
+        ..PictureOptions::default()
+    };
+    let with = |ground| picture_of_break(&broken, &options(ground), &Context::quiet()).unwrap();
+    let usual = with(None);
+    assert_eq!(usual, with(Some(Ground::Bench)));
+    // Planks are brown and the backdrop is grey: the corner above the pieces shows either.
+    let corner = |picture: &greenstick::picture::Picture| {
+        let [red, _, blue] = [0, 1, 2].map(|c| i32::from(picture.rgb[3 * 45 + c]));
+        red - blue
+    };
+    let plain = with(Some(Ground::Plain));
+    assert!(
+        corner(&usual) > corner(&plain) + 8,
+        "{} {}",
+        corner(&usual),
+        corner(&plain)
+    );
+    let scene =
+        |ground| picture_of_scene(&broken.scene, &options(ground), &Context::quiet()).unwrap();
+    assert_eq!(scene(None), scene(Some(Ground::Plain)));
 }

@@ -3,7 +3,7 @@
 use super::mix::{mix, mix_scalar, visible_detail};
 use super::surface::WoodSurface;
 use crate::colour::linear_from_srgb as srgb;
-use crate::noise::{Forgetful, NoiseMemory, Noises, smoothstep};
+use crate::noise::{Forgetful, NoiseMemory, Noises, smoothstep, unit};
 use crate::rings::periodic_cells;
 use glam::DVec3;
 
@@ -137,6 +137,10 @@ const FLAKE_DETAIL: f64 = 0.5;
 const DUST: f64 = 0.34;
 const LICHEN_SHARE: f64 = 0.62;
 const LICHEN_EDGE: (f64, f64) = (0.30, 0.46);
+/// Algae on the side that stays damp: colour, the most of them, and how far they spread about the stem, as a cosine.
+const ALGAE: DVec3 = DVec3::new(0.128, 0.142, 0.066);
+const ALGAE_SHARE: f64 = 0.55;
+const ALGAE_SIDE: (f64, f64) = (-0.35, 1.0);
 /// Linear colours of lichen and dust, and of lenticels.
 const LICHEN: DVec3 = DVec3::new(0.27, 0.275, 0.225);
 const LENTICEL: DVec3 = DVec3::new(0.30, 0.22, 0.15);
@@ -144,7 +148,8 @@ const LENTICEL: DVec3 = DVec3::new(0.30, 0.22, 0.15);
 /// Numbers of the noises; those of the flakes come first, then three for each order of furrows.
 const PATCH_NOISE: usize = FLAKES.len();
 const LENTICEL_NOISE: usize = PATCH_NOISE + 1;
-const FURROW_NOISES: usize = LENTICEL_NOISE + 1;
+const ALGA_NOISE: usize = LENTICEL_NOISE + 1;
+const FURROW_NOISES: usize = ALGA_NOISE + 1;
 
 /// Furrows at a point.
 struct Furrows {
@@ -226,6 +231,7 @@ impl BarkAppearance {
             LICHEN,
             lichen.max((DUST + 0.3 * patch).clamp(0.0, DUST * 2.0)),
         );
+        let weathered = mix(weathered, ALGAE, self.algae(place, at.angle, shade, noises));
         let furrow_color = DVec3::from_array(self.furrow_color);
         // Only the depths of furrows are dark: their sides are as weathered as ridges are.
         let mut color =
@@ -244,6 +250,18 @@ impl BarkAppearance {
             height,
             slope,
         }
+    }
+
+    /// How much of the bark at a place algae cover.
+    fn algae(&self, place: DVec3, angle: f64, shade: f64, noises: &mut impl Noises) -> f64 {
+        let damp = std::f64::consts::TAU * unit(self.seed ^ PURPOSE, 5, 0, 0);
+        let side = smoothstep(ALGAE_SIDE.0, ALGAE_SIDE.1, libm::cos(angle - damp));
+        if side == 0.0 {
+            return 0.0;
+        }
+        let size = (DVec3::splat(9.0 * self.furrow_width), 2.0);
+        let (patch, _) = self.noise((noises, ALGA_NOISE), self.seed ^ PURPOSE ^ 5, place, size);
+        ALGAE_SHARE * side * smoothstep(-0.55, 0.45, patch + 0.7 * shade)
     }
 
     fn furrows(&self, place: DVec3, footprint: f64, noises: &mut impl Noises) -> Furrows {

@@ -18,6 +18,7 @@ mod shading;
 mod splits;
 mod stem;
 mod surface;
+mod tints;
 mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};

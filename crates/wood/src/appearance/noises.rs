@@ -8,3 +8,5 @@ pub(super) const HEARTWOOD_NOISE: usize = STREAK_NOISES;
 pub(super) const SPECK_NOISE: usize = HEARTWOOD_NOISE + 1;
 /// Unevenness of pith and bark, from coarse to fine.
 pub(super) const UNEVEN_NOISES: usize = SPECK_NOISE + 1;
+/// Tints of the wood, from coarse to fine, after the two of uneven barks.
+pub(super) const TINT_NOISES: usize = UNEVEN_NOISES + 2;

@@ -108,6 +108,8 @@ const PEELED: (f64, f64) = (0.15, 0.5);
 const OUTSIDE: (f64, f64) = (0.006, 0.016);
 /// Tones of slivers between which those begin that inner bark sticks to.
 const BAST: (f64, f64) = (0.42, 0.62);
+/// Parts of the thickness of the inner bark between which a face that looks outwards begins to show it.
+const BARE_BAST: (f64, f64) = (0.35, 0.75);
 /// How much of the wood strings of inner bark hide: they are thin.
 const BAST_SHARE: f64 = 0.75;
 /// In the hash: what the specks of pith and bark are drawn for.
@@ -129,11 +131,11 @@ impl WoodAppearance {
             heartwood: 0.38,
             phloem: 0.93,
             cork: 0.965,
-            sapwood_color: srgb([224, 194, 150]),
-            latewood_color: srgb([182, 140, 96]),
-            heartwood_color: srgb([209, 172, 129]),
+            sapwood_color: srgb([228, 201, 160]),
+            latewood_color: srgb([184, 142, 99]),
+            heartwood_color: srgb([207, 166, 126]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([152, 108, 74]),
+            phloem_color: srgb([166, 126, 92]),
             cork_color: srgb([88, 66, 50]),
             bark_color: None,
             bark_kind: None,
@@ -171,6 +173,7 @@ impl WoodAppearance {
             rings: 14.0,
             heartwood: 0.62,
             sapwood_color: srgb([214, 184, 140]),
+            phloem_color: srgb([134, 98, 70]),
             latewood_color: srgb([178, 136, 90]),
             heartwood_color: srgb([168, 124, 80]),
             latewood_contrast: 0.6,
@@ -247,6 +250,7 @@ impl WoodAppearance {
             DVec3::from_array(self.heartwood_color),
             self.heartwood_share(address, place, noises),
         );
+        color *= self.tint(straight, (address.rho, bundles.tone), footprint, noises);
         let late = latewood.darkness;
         let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
         color *= mix(DVec3::ONE, darker, late * LATEWOOD_LINES).max(DVec3::splat(0.1));
@@ -337,14 +341,23 @@ impl WoodAppearance {
             * (1.0 - surface.end)
             * (1.0 - smoothstep(self.cork + OUTSIDE.0, self.cork + OUTSIDE.1, rho));
         let strings = BAST_SHARE * smoothstep(BAST.0, BAST.1, surface.tone + 0.35 * ragged);
-        let left = |edge: f64| if edge == self.phloem { strings } else { 0.0 };
+        // What looks outwards farther from the cambium is inner bark that the outer bark came off.
+        let from_wood = (rho - self.phloem) / (self.cork - self.phloem).max(1e-6);
+        let bare = 1.0 - smoothstep(BARE_BAST.0, BARE_BAST.1, from_wood);
+        let bare_wood = |edge: f64| match edge == self.phloem {
+            true => peeled * bare * (1.0 - strings),
+            false => peeled,
+        };
         for (edge, color, grain) in [
             (self.phloem, self.phloem_color, 0.20),
             (self.cork, self.cork_color, 0.42),
         ] {
             let wavy = rho + (0.008 * ragged + uneven);
-            let inside =
-                smoothstep(edge - soft, edge + soft, wavy) * (1.0 - peeled * (1.0 - left(edge)));
+            let inside = smoothstep(edge - soft, edge + soft, wavy) * (1.0 - bare_wood(edge));
+            let color = match edge == self.phloem {
+                true => self.inner_bark_color(wavy, surface.tone),
+                false => color,
+            };
             surface.blend(color, grain * speck, inside);
             if edge == self.phloem {
                 surface.blend(cambium, 0.1 * speck, CAMBIUM_SHARE * pale);
