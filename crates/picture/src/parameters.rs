@@ -1,13 +1,8 @@
 //! What is asked of a picture.
 
-<<<<<<< HEAD
-use crate::{CameraPlacement, MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
+use crate::{CameraPlacement, Ground, MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
 use glam::DVec3;
-use greenstick_schema::{Unit, count, flag, number, parameters, text, text_field};
-=======
-use crate::{Ground, MAX_SAMPLES, MAX_SIDE, PictureOptions, View};
 use greenstick_schema::{Unit, choice, count, flag, number, parameters, text, text_field};
->>>>>>> ee2d0c62637088bb95b3c033c417e9a7e8b1f758
 use std::str::FromStr;
 
 /// Width and height of a picture, pixels.

@@ -3,11 +3,8 @@
 use glam::{DAffine3, DVec3};
 use greenstick_geometry::{Attribute, CancelToken, Context, Mesh};
 use greenstick_picture::{
-<<<<<<< HEAD
-    CameraPlacement, Item, Picture, PictureError, PictureOptions, PlainShader, Sphere, View, render,
-=======
-    Ground, Item, Picture, PictureError, PictureOptions, PlainShader, Sphere, View, render,
->>>>>>> ee2d0c62637088bb95b3c033c417e9a7e8b1f758
+    CameraPlacement, Ground, Item, Picture, PictureError, PictureOptions, PlainShader, Sphere,
+    View, render,
 };
 
 /// A unit cube around the origin with vertex colours, red at the top and blue at the bottom.
@@ -411,7 +408,6 @@ fn what_is_out_of_focus_is_blurred_and_the_rest_is_not() {
 }
 
 #[test]
-<<<<<<< HEAD
 fn a_placed_camera_stays_whatever_is_to_fit_into_the_picture() {
     // A sphere of radius 1 fills the view from +Z; 25° across the shorter side is the default of both.
     let zoomed = PictureOptions {
@@ -451,7 +447,9 @@ fn a_placed_camera_stays_whatever_is_to_fit_into_the_picture() {
         ..placed
     };
     assert_eq!(render_cube(&other).unwrap(), picture);
-=======
+}
+
+#[test]
 fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
     let mesh = cube();
     let shader = PlainShader::uniform([1.0; 3]);
@@ -508,5 +506,4 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         let none = [ground, Ground::Plain].map(|g| with(g, false, Some(0.0)));
         assert_eq!(none[0], none[1]);
     }
->>>>>>> ee2d0c62637088bb95b3c033c417e9a7e8b1f758
 }

@@ -185,25 +185,7 @@ impl<'a> Bend<'a> {
             to.unwrap_or(place)
         };
         let mut bent: Vec<DVec3> = places.map(bend).collect();
-        let moved: Vec<bool> = (mesh.triangles.iter())
-            .map(|t| {
-                t.iter()
-                    .any(|&v| bent[v as usize] != mesh.positions[v as usize])
-            })
-            .collect();
-        let around = |t: &[u32; 3]| Aabb::around(&t.map(|v| bent[v as usize]));
-        let all = mesh.triangles.iter().zip(&moved).filter(|(_, m)| **m);
-        let reach = all.fold(Aabb::EMPTY, |reach, (t, _)| reach.join(&around(t)));
-        let near: Vec<u32> = (0..mesh.triangles.len() as u32)
-            .filter(|&t| around(&mesh.triangles[t as usize]).overlaps(&reach))
-            .collect();
-        let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
-        let mut pairs = crossing_pairs(&bent, &triangles, None, context)?;
-        for t in pairs.iter_mut().flatten() {
-            *t = near[*t as usize];
-        }
-        // What crosses without being bent is a fault of the input.
-        pairs.retain(|p| p.iter().any(|&t| moved[t as usize]));
+        let mut pairs = crossings_of_moved(&mesh, &bent, context)?;
         done.crossed = done.crossed.max(pairs.len());
         let pairs_at_first = pairs.len();
         (done.bisected, done.remaining) = (0, pairs_at_first);
@@ -306,4 +288,32 @@ fn lowered(over: f64, k: f64) -> f64 {
         u = (u - (sum - over) / (spread * spread)).max(0.0);
     }
     u
+}
+
+/// Pairs of triangles that cross once the vertices of `mesh` are at `bent`, at least one of which has moved: what crosses without
+/// being bent is a fault of the input.
+fn crossings_of_moved(
+    mesh: &Mesh,
+    bent: &[DVec3],
+    context: &Context,
+) -> Result<Vec<[u32; 2]>, Cancelled> {
+    let moved: Vec<bool> = (mesh.triangles.iter())
+        .map(|t| {
+            t.iter()
+                .any(|&v| bent[v as usize] != mesh.positions[v as usize])
+        })
+        .collect();
+    let around = |t: &[u32; 3]| Aabb::around(&t.map(|v| bent[v as usize]));
+    let all = mesh.triangles.iter().zip(&moved).filter(|(_, m)| **m);
+    let reach = all.fold(Aabb::EMPTY, |reach, (t, _)| reach.join(&around(t)));
+    let near: Vec<u32> = (0..mesh.triangles.len() as u32)
+        .filter(|&t| around(&mesh.triangles[t as usize]).overlaps(&reach))
+        .collect();
+    let triangles: Vec<[u32; 3]> = near.iter().map(|&t| mesh.triangles[t as usize]).collect();
+    let mut pairs = crossing_pairs(bent, &triangles, None, context)?;
+    for t in pairs.iter_mut().flatten() {
+        *t = near[*t as usize];
+    }
+    pairs.retain(|p| p.iter().any(|&t| moved[t as usize]));
+    Ok(pairs)
 }
