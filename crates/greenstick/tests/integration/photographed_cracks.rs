@@ -7,7 +7,7 @@ use greenstick::fracture::cracks::measure::{
 };
 use greenstick::fracture::parameters::{BreakParameters, Crack, CrackEnd, CrackKind};
 use greenstick::geometry::Context;
-use greenstick::picture::{PictureOptions, View};
+use greenstick::picture::{Ground, PictureOptions, View};
 
 use greenstick::schema::{Parameters, Value};
 use greenstick::wood::colour::RgbImage;
@@ -62,6 +62,8 @@ fn drawn() -> SectionPhotograph {
         width: 720,
         height: 720,
         samples: 4,
+        // What is measured lies before a plain backdrop.
+        ground: Some(Ground::Plain),
         view: View::Direction {
             azimuth: 0.0,
             elevation: std::f64::consts::FRAC_PI_2,
