@@ -12,12 +12,14 @@ use glam::DVec3;
 const STRIP: (f64, f64) = (6.5e-3, 26.0);
 /// Factors on the colour from the coolest to the warmest strip: their means keep the brightness.
 const COOL: DVec3 = DVec3::new(0.965, 1.01, 1.10);
-const WARM: DVec3 = DVec3::new(1.04, 0.99, 0.89);
-/// The same for single slivers, as a part of that.
-const SLIVERS: f64 = 0.5;
+const WARM: DVec3 = DVec3::new(1.03, 0.99, 0.90);
+/// The same for single slivers, as a part of that: little, as colours belong to places in the stem.
+const SLIVERS: f64 = 0.15;
 /// Width of a soaked streak, m, its length in widths, and the values of the noise between which it begins.
 const SOAKED: (f64, f64) = (2.6e-3, 42.0);
 const SOAKED_EDGE: (f64, f64) = (0.30, 0.58);
+/// Part of the wood that is soaked, which is what is left of streaks too fine to be seen.
+const SOAKED_SHARE: f64 = 0.045;
 /// Factor on the colour of wood that is soaked.
 const SOAKED_COLOR: DVec3 = DVec3::new(0.88, 0.76, 0.60);
 /// Factor on the colour of moist sapwood beside the bark, and how far from there it begins, in ring coordinates.
@@ -44,24 +46,27 @@ impl WoodAppearance {
         footprint: f64,
         noises: &mut impl Noises,
     ) -> DVec3 {
+        // How much of the detail is visible, and the noise.
         let mut strips = |n: usize, (width, stretch): (f64, f64)| {
             let visible = visible_detail(width, footprint);
             if visible == 0.0 {
-                return 0.0;
+                return (0.0, 0.0);
             }
             let (long, period) = periodic_cells(width * stretch, self.period);
             let scale = DVec3::new(1.0 / width, 1.0 / width, 1.0 / long);
             let seed = self.seed ^ TINT ^ ((n as u64) << 8);
             let number = TINT_NOISES + n;
-            visible * noises.gradient(number, seed, place * scale, period).0
+            (
+                visible,
+                noises.gradient(number, seed, place * scale, period).0,
+            )
         };
-        let warmth = (1.3 * strips(0, STRIP) + SLIVERS * tone).clamp(-1.0, 1.0);
+        let (visible, strip) = strips(0, STRIP);
+        let warmth = (1.3 * visible * strip + SLIVERS * tone).clamp(-1.0, 1.0);
         let mut tint = mix(COOL, WARM, 0.5 + 0.5 * warmth);
-        let soaked = smoothstep(
-            SOAKED_EDGE.0,
-            SOAKED_EDGE.1,
-            strips(1, SOAKED) + 0.12 * tone,
-        );
+        let (visible, sap) = strips(1, SOAKED);
+        let streak = smoothstep(SOAKED_EDGE.0, SOAKED_EDGE.1, sap + 0.12 * tone);
+        let soaked = SOAKED_SHARE + visible * (streak - SOAKED_SHARE);
         tint *= mix(DVec3::ONE, SOAKED_COLOR, soaked);
         let moist = smoothstep(self.phloem - MOIST, self.phloem, rho);
         tint * mix(DVec3::ONE, MOIST_COLOR, moist)
@@ -103,6 +108,16 @@ mod tests {
         let mean = sum / count as f64;
         assert!((mean - DVec3::ONE).abs().max_element() < 0.08, "{mean}");
         assert!(warmest > 1.25 * coolest, "{coolest} {warmest}");
+        // From afar the brightness is the same.
+        let far = |i: i64| {
+            let tone = 2.0 * unit(3, i, 3, 0) - 1.0;
+            wood.tint(DVec3::ZERO, (0.6, tone), 1.0, &mut Forgetful)
+        };
+        let far = (0..count).map(far).sum::<DVec3>() / count as f64;
+        assert!(
+            (far / mean - DVec3::ONE).abs().max_element() < 0.01,
+            "{far} {mean}"
+        );
         // Along the grain they last.
         let at = |x: f64, z: f64| {
             let tint = wood.tint(DVec3::new(x, 0.0, z), (0.6, 0.0), 1e-4, &mut Forgetful);
