@@ -434,7 +434,7 @@ fn tint_at(place: vec3<f32>, rho: f32, tone: f32) -> vec3<f32> {
     let warmth = clamp(1.3 * strip + 0.15 * tone, -1.0, 1.0);
     var tint = mix(vec3<f32>(0.965, 1.01, 1.10), vec3<f32>(1.03, 0.99, 0.90), 0.5 + 0.5 * warmth);
     let soaked = noise(wood.seed.x ^ 0x171u, place / vec3<f32>(2.6e-3, 2.6e-3, 109e-3)).w;
-    tint *= mix(vec3<f32>(1.0), vec3<f32>(0.88, 0.76, 0.60), smoothstep(0.30, 0.58, soaked + 0.12 * tone));
+    tint *= mix(vec3<f32>(1.0), vec3<f32>(0.93, 0.86, 0.74), smoothstep(0.30, 0.58, soaked + 0.12 * tone));
     return tint * mix(vec3<f32>(1.0), vec3<f32>(0.97, 0.99, 0.86), smoothstep(wood.edges.w - 0.16, wood.edges.w, rho));
 }
 

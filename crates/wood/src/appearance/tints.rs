@@ -21,7 +21,7 @@ const SOAKED_EDGE: (f64, f64) = (0.30, 0.58);
 /// Part of the wood that is soaked, which is what is left of streaks too fine to be seen.
 const SOAKED_SHARE: f64 = 0.045;
 /// Factor on the colour of wood that is soaked.
-const SOAKED_COLOR: DVec3 = DVec3::new(0.88, 0.76, 0.60);
+const SOAKED_COLOR: DVec3 = DVec3::new(0.93, 0.86, 0.74);
 /// Factor on the colour of moist sapwood beside the bark, and how far from there it begins, in ring coordinates.
 const MOIST_COLOR: DVec3 = DVec3::new(0.97, 0.99, 0.86);
 const MOIST: f64 = 0.16;
