@@ -107,10 +107,13 @@ impl Studio {
         self.simulation.as_ref()
     }
 
-    /// Whether a simulation is at work, or a frame of it is being drawn.
+    /// Whether a simulation is at work, or a frame of it is to be drawn.
     pub(super) fn simulates(&self) -> bool {
         let works = self.platform.progress(Lane::Simulation).is_some();
-        let waits = |s: &SimulationView| s.asked.is_some() || s.takes || s.playback.playing;
+        let waits = |s: &SimulationView| {
+            let is_there = s.frames() == 0 || s.shown == Some(s.wanted());
+            !is_there || s.asked.is_some() || s.takes || s.playback.playing
+        };
         works || self.simulation.as_ref().is_some_and(waits)
     }
 
@@ -236,7 +239,7 @@ impl Studio {
         if simulation.playback.playing {
             ctx.request_repaint();
         }
-        let wanted = (simulation.playback.at, simulation.look);
+        let wanted = simulation.wanted();
         let is_there = simulation.shown == Some(wanted);
         if count > 0 && !is_there && simulation.asked.is_none() {
             simulation.asked = Some(wanted);

@@ -58,4 +58,9 @@ impl SimulationView {
     pub fn frames(&self) -> usize {
         self.recorded.times.len()
     }
+
+    /// The frame that is to be shown, and how.
+    pub(super) fn wanted(&self) -> (usize, Look) {
+        (self.playback.at, self.look)
+    }
 }
