@@ -81,6 +81,8 @@ impl Studio {
         let left = PointerButton::Primary;
         let (pressed, modifiers, now) =
             ui.input(|i| (i.pointer.press_origin(), i.modifiers, i.time));
+        // A pointer that rests paints nothing, though the wood below it changes when what was painted is drawn.
+        let moves = ui.input(|i| i.pointer.delta() != egui::Vec2::ZERO);
         if response.clicked_by(left) {
             if let Some(at) = response
                 .interact_pointer_pos()
@@ -103,7 +105,7 @@ impl Studio {
             self.end_stroke(now);
             return false;
         }
-        let pos = response.interact_pointer_pos();
+        let pos = response.interact_pointer_pos().filter(|_| moves);
         if let Some(at) = pos.and_then(|pos| self.paint_place(rect, pos)) {
             self.go_on_stroke(stroke, at, modifiers, now);
         }

@@ -188,10 +188,12 @@ fn stroke_held(harness: &mut Harness<'static, Studio>, from: Pos2, to: Pos2, hel
         let pos = from + (to - from) * (i as f32 / 12.0);
         harness.event_modifiers(eframe::egui::Event::PointerMoved(pos), held);
         step(harness);
-        // Between two moves answers come; keys are held for the moves alone.
-        for _ in 0..if held.is_none() { 4 } else { 0 } {
+        // Between two moves answers come, and a pointer that rests paints nothing; keys are held for the moves alone.
+        let painted = grid(harness);
+        for _ in 0..4 {
             std::thread::sleep(std::time::Duration::from_millis(20));
             step(harness);
+            assert!(grid(harness) == painted, "painted without a move");
         }
     }
     harness.event_modifiers(button(to, false), held);
