@@ -34,7 +34,7 @@ pub(crate) fn overlapping_pairs(
     wanted: impl Fn(usize, usize) -> bool + Sync,
     context: &Context,
 ) -> Result<Vec<[u32; 2]>, Cancelled> {
-    let mut pairs = match Grid::new(boxes) {
+    let mut pairs = match Grid::new(boxes, context)? {
         Some(grid) => grid.pairs(boxes, chosen, wanted, context),
         None => {
             let mut pairs = Vec::new();
@@ -66,13 +66,13 @@ struct Grid {
 
 impl Grid {
     /// Sorts boxes into cells, unless a tree would be faster.
-    fn new(boxes: &[Aabb]) -> Option<Grid> {
+    fn new(boxes: &[Aabb], context: &Context) -> Result<Option<Grid>, Cancelled> {
         let all = boxes.iter().fold(Aabb::EMPTY, |a, b| a.join(b));
         let extent = all.high - all.low;
         let sum: DVec3 = boxes.iter().map(|b| b.high - b.low).sum();
         let mean = sum / boxes.len() as f64;
         if !(mean.is_finite() && extent.is_finite() && mean.min_element() > 0.0) {
-            return None;
+            return Ok(None);
         }
         let mut cell = CELL_SIZE * mean;
         let sizes = |cell: DVec3| (extent / cell).max(DVec3::ONE).floor();
@@ -87,19 +87,20 @@ impl Grid {
             starts: Vec::new(),
             entries: Vec::new(),
         };
-        grid.fill(boxes).then_some(grid)
+        Ok(grid.fill(boxes, context)?.then_some(grid))
     }
 
     /// Counts and places the boxes. Returns whether they cover few enough cells.
-    fn fill(&mut self, boxes: &[Aabb]) -> bool {
+    fn fill(&mut self, boxes: &[Aabb], context: &Context) -> Result<bool, Cancelled> {
         let mut starts = vec![0u32; self.size.iter().product::<usize>() + 1];
         let mut count = 0;
         for b in boxes {
             count += self.each_cell(b, |cell| starts[cell] += 1);
             if count > MAX_CELLS_PER_BOX * boxes.len() {
-                return false;
+                return Ok(false);
             }
         }
+        context.check()?;
         let mut sum = 0;
         for start in &mut starts {
             sum += *start;
@@ -112,6 +113,7 @@ impl Grid {
             .map(|(i, b)| u64::from(along(b).to_bits()) << 32 | i)
             .collect();
         order.sort_unstable();
+        context.check()?;
         let mut entries = vec![0; count];
         for index in order.into_iter().rev().map(|key| key as u32) {
             self.each_cell(&boxes[index as usize], |cell| {
@@ -120,7 +122,7 @@ impl Grid {
             });
         }
         (self.starts, self.entries) = (starts, entries);
-        true
+        Ok(true)
     }
 
     /// The cell of a point along the second and the third axis; that of the nearest cell for one outside or not a number.
@@ -386,7 +388,7 @@ mod tests {
             (DVec3::splat(2.0), false),
         ] {
             let boxes = boxes(2000, size);
-            let grid = Grid::new(&boxes).unwrap();
+            let grid = Grid::new(&boxes, &Context::quiet()).unwrap().unwrap();
             let crowded = grid.starts.windows(2).any(|cell| {
                 let members = &grid.entries[cell[0] as usize..cell[1] as usize];
                 let mut column = Column::default();

@@ -167,6 +167,7 @@ pub fn crossing_pairs(
             triangles: triangles.to_vec(),
             ..Mesh::default()
         };
+        context.check()?;
         let (count, boxes) = (triangles.len(), contact_boxes(&all));
         return crossing_pairs_within(positions, triangles, count, &boxes, context);
     };
@@ -174,6 +175,7 @@ pub fn crossing_pairs(
     // Few have changed, mostly: a tree of those alone is quickly built.
     let corners = |t: u32| triangles[t as usize].map(|v| positions[v as usize]);
     let boxes: Vec<Aabb> = changed.iter().map(|&t| Aabb::around(&corners(t))).collect();
+    context.check()?;
     let tree = Bvh::new(&boxes);
     for t in 0..triangles.len() as u32 {
         context.check()?;
@@ -185,6 +187,7 @@ pub fn crossing_pairs(
             }
         });
     }
+    context.check()?;
     pairs.sort_unstable();
     pairs.dedup();
     Ok(pairs)
@@ -203,7 +206,9 @@ pub fn crossing_pairs_within(
     boxes: &[Aabb],
     context: &Context,
 ) -> Result<Vec<[u32; 2]>, Cancelled> {
+    context.check()?;
     let contacts = TriangleContacts::new(positions, triangles);
+    context.check()?;
     let crosses = |s, t| contacts.between(s, t) == Contact::Crossing;
     overlapping_pairs(boxes, count, crosses, context)
 }

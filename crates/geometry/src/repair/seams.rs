@@ -33,18 +33,7 @@ pub fn close_seams(mesh: &mut Mesh) -> (usize, f64) {
     border.sort_unstable();
     border.dedup();
     let mut joined = Unions::new(count);
-    // Along one axis, so that only few others come into question.
-    border.sort_by(|a, b| places[*a as usize].x.total_cmp(&places[*b as usize].x));
-    let mut any = false;
-    for (i, &a) in border.iter().enumerate() {
-        let at = places[a as usize];
-        let near = border[i + 1..]
-            .iter()
-            .take_while(|b| places[**b as usize].x - at.x <= tolerance);
-        for &b in near.filter(|b| places[**b as usize].distance(at) <= tolerance) {
-            any |= joined.join(a, b);
-        }
-    }
+    let any = join_near(&border, &places, tolerance, &mut joined);
     if !any {
         return (0, tolerance);
     }
@@ -62,6 +51,52 @@ pub fn close_seams(mesh: &mut Mesh) -> (usize, f64) {
         }
     }
     (moved, tolerance)
+}
+
+/// Joins those of the `border` that lie within a tolerance of each other, as numbers of `places`. Returns whether there are any. The
+/// time follows from the size of the border, however many lie together.
+fn join_near(border: &[u32], places: &[DVec3], tolerance: f64, joined: &mut Unions) -> bool {
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        return false;
+    }
+    // In a cell of this size all are near each other, and those near to one are at most two cells away along each axis.
+    let cell = tolerance / 3f64.sqrt() * (1.0 - 1e-9);
+    let at = |v: u32| places[v as usize];
+    let low = (border.iter()).fold(DVec3::INFINITY, |low, &v| low.min(at(v)));
+    let number = |v: u32| ((at(v) - low) / cell).to_array().map(|x| x as i64);
+    let mut numbered: Vec<([i64; 3], u32)> = border.iter().map(|&v| (number(v), v)).collect();
+    numbered.sort_unstable();
+    let cells: Vec<&[([i64; 3], u32)]> = numbered.chunk_by(|a, b| a.0 == b.0).collect();
+    let mut any = false;
+    for cell in &cells {
+        for &(_, v) in &cell[1..] {
+            any |= joined.join(cell[0].1, v);
+        }
+    }
+    // Each pair of cells is looked at from the one that comes first.
+    let rows = [(0, 0), (0, 1), (0, 2)].into_iter();
+    let rows = rows.chain((1..=2).flat_map(|i| (-2..=2).map(move |j| (i, j))));
+    for (i, j) in rows {
+        let mut from = 0;
+        for (place, one) in cells.iter().enumerate() {
+            let [x, y, z] = one[0].0;
+            let least = if (i, j) == (0, 0) { z + 1 } else { z - 2 };
+            from = from.max(place);
+            while from < cells.len() && cells[from][0].0 < [x + i, y + j, least] {
+                from += 1;
+            }
+            let others = cells[from..].iter();
+            for other in others.take_while(|other| other[0].0 <= [x + i, y + j, z + 2]) {
+                let near = |&(_, a): &([i64; 3], u32)| {
+                    (other.iter()).any(|&(_, b)| at(a).distance(at(b)) <= tolerance)
+                };
+                if joined.root(one[0].1) != joined.root(other[0].1) && one.iter().any(near) {
+                    any |= joined.join(one[0].1, other[0].1);
+                }
+            }
+        }
+    }
+    any
 }
 
 /// Closes the seams of all meshes of a scene. Returns a note on each mesh that had one.
@@ -108,6 +143,65 @@ mod tests {
         let mut far = squares(1e-4);
         assert_eq!(close_seams(&mut far).0, 0);
         assert_eq!(far, squares(1e-4));
+    }
+
+    #[test]
+    fn the_same_are_joined_as_by_comparing_all() {
+        let mut state = 1u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            (state >> 40) as f64 / (1u64 << 24) as f64
+        };
+        // Sparse, dense, and so crowded that all lie in a few cells; across the axes too.
+        for (size, tolerance) in [
+            (DVec3::ONE, 0.03),
+            (DVec3::new(0.2, 1.0, 0.01), 0.1),
+            (DVec3::ONE, 1.5),
+        ] {
+            let places: Vec<DVec3> = (0..300)
+                .map(|_| DVec3::new(next(), next(), next()) * size - 0.5)
+                .collect();
+            let border: Vec<u32> = (0..300).filter(|v| v % 7 != 0).collect();
+            let (mut expected, mut found) = (Unions::new(300), Unions::new(300));
+            let mut any = false;
+            for (i, &a) in border.iter().enumerate() {
+                for &b in &border[i + 1..] {
+                    if places[a as usize].distance(places[b as usize]) <= tolerance {
+                        any |= expected.join(a, b);
+                    }
+                }
+            }
+            assert!(any);
+            assert!(join_near(&border, &places, tolerance, &mut found));
+            for v in 0..300 {
+                assert_eq!(found.root(v), expected.root(v), "{size} {tolerance}");
+            }
+        }
+    }
+
+    #[test]
+    fn many_that_lie_together_take_little_time() {
+        // Ten thousand triangles apart in a plane across the first axis, and all of them within the tolerance of one that is far away.
+        let mut mesh = Mesh::default();
+        for i in 0..10_000 {
+            let corner = DVec3::new(0.0, f64::from(i % 100), f64::from(i / 100));
+            let first = mesh.positions.len() as u32;
+            let corners = [
+                DVec3::ZERO,
+                DVec3::new(0.0, 0.4, 0.0),
+                DVec3::new(0.0, 0.0, 0.4),
+            ];
+            mesh.positions.extend(corners.map(|c| corner + c));
+            mesh.triangles.push([first, first + 1, first + 2]);
+        }
+        assert_eq!(close_seams(&mut mesh).0, 0);
+        mesh.positions[0].x = 1e30;
+        let all = mesh.clone();
+        // Corners of one triangle are not put together.
+        assert_eq!(close_seams(&mut mesh).0, 0);
+        assert_eq!(mesh, all);
     }
 
     #[test]

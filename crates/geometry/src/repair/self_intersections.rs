@@ -171,7 +171,9 @@ fn resolved(
     context: &Context,
 ) -> Result<Rounded, Cancelled> {
     let (collapsed, topology) = resolve(mesh, known, topology, face, context)?;
+    context.check()?;
     let topology = topology.unwrap_or_else(|| Topology::of(mesh));
+    context.check()?;
     let (closed, volume) = mesh.closed_volume_with(&topology);
     Ok(Rounded {
         collapsed,
@@ -202,6 +204,7 @@ fn resolve(
     let is_ours: Vec<bool> = (mesh.triangles.iter())
         .map(|t| !t.iter().all(|&v| is_known(v)))
         .collect();
+    context.check()?;
     let faults = faults_among(mesh, &is_ours, (positions, &topology), face, context)?;
     let found = faults.len();
     if faults.is_empty() || !extent.is_finite() {
@@ -214,6 +217,7 @@ fn resolve(
     }
     drop(topology);
     let attempt = |end: CollapseTo| {
+        context.check()?;
         let mut collapser = EdgeCollapser::from_mesh(mesh);
         collapser.collapse_to(end);
         let mut done = Collapsed {
@@ -315,6 +319,7 @@ fn faults_among(
     ours.extend(face.0.iter().copied().filter(is_chosen));
     let at_points = |t: &u32| mesh.triangles[*t as usize].map(|v| topology.points[v as usize]);
     let triangles = ours.iter().map(at_points).collect();
+    context.check()?;
     let crossing = crossing_among(positions, triangles, unknown, context)?;
     let ascending = |[s, t]: [u32; 2]| [s.min(t), s.max(t)];
     let mut faults: Vec<[u32; 2]> = (crossing.into_iter())

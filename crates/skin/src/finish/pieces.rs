@@ -56,7 +56,9 @@ pub fn finish(
     // Reports need it; of a large mesh it takes as much memory as the pieces, which are not there yet.
     stages.stem.sound.closed_volume();
     let mut notes = notes_up_to_the_cut(stages, p);
+    context.check()?;
     let plain = plain_pieces(stages, options, &mut notes);
+    context.check()?;
     let mut crack_volume = stages.stem.opened.as_ref().map(|opened| opened.void);
     let [mut lower, mut upper] = match &stages.cut.cracked {
         None => plain,
@@ -114,6 +116,7 @@ pub fn finish(
         notes,
     };
     made.write_meshes(stages, meshes, context)?;
+    context.check()?;
     for (report, lean) in made.reports.iter_mut().zip(leans.into_iter().flatten()) {
         report.lean = Some(lean);
     }
@@ -190,6 +193,7 @@ fn lean(
     let stem = stages.stem.stem();
     let bend = |mesh: &Mesh, upper: bool| {
         let straight = mesh.volume() * stem.volume_scale();
+        context.check()?;
         let mut leaned = LeaningPiece {
             stem,
             surface: &stages.heights.heights.surface,

@@ -157,6 +157,7 @@ impl<'a> Bend<'a> {
             let (straight, positions) = self.straight(mesh, &mut done, context)?;
             if done.remaining == 0 || last {
                 done.amount = self.amount;
+                context.check()?;
                 return Ok((self.bent(straight, positions), done));
             }
             self.amount *= WEAKENING;
@@ -175,6 +176,7 @@ impl<'a> Bend<'a> {
         // Long triangles along the grain are split, so that they bend instead of leaning.
         let over = |place: DVec3| self.over(self.grain(place));
         let mut mesh = split_at_levels(mesh, &over, LEVEL_SPACING);
+        context.check()?;
         let map = |p: DVec3| self.map(p).unwrap_or(p);
         // Vertices at one position go to one.
         let (points, count) = mesh.points();
@@ -182,9 +184,11 @@ impl<'a> Bend<'a> {
         let places = points.iter().zip(&mesh.positions);
         let bend = |(&point, &place): (&u32, &DVec3)| {
             let to = bent_points[point as usize].get_or_insert_with(|| self.map(place));
-            to.unwrap_or(place)
+            context.check()?;
+            Ok::<_, Cancelled>(to.unwrap_or(place))
         };
-        let mut bent: Vec<DVec3> = places.map(bend).collect();
+        let bent: Result<Vec<DVec3>, Cancelled> = places.map(bend).collect();
+        let mut bent = bent?;
         let mut pairs = crossings_of_moved(&mesh, &bent, context)?;
         done.crossed = done.crossed.max(pairs.len());
         let pairs_at_first = pairs.len();
@@ -192,12 +196,14 @@ impl<'a> Bend<'a> {
         if pairs.is_empty() {
             return Ok((mesh, bent));
         }
+        context.check()?;
         let mut bisector =
             EdgeBisector::new(std::mem::take(&mut mesh.triangles), points, count as u32);
         for _ in 0..BISECTIONS {
             let mut fresh = vec![false; bisector.triangles.len()];
             let mut changed = Vec::new();
             for t in pairs.iter().flatten().copied() {
+                context.check()?;
                 if fresh[t as usize] {
                     continue;
                 }

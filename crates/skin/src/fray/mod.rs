@@ -92,6 +92,7 @@ impl FrayedBreak<'_> {
         let bend = |upper: bool| {
             let mesh = &pieces[usize::from(upper)];
             let (bent, mut report) = self.bend(upper).apply(mesh, self.context)?;
+            self.context.check()?;
             report.volume_change = bent.volume() / mesh.volume() - 1.0;
             Ok::<_, BreakError>((bent, report))
         };
@@ -152,6 +153,7 @@ impl FrayedBreak<'_> {
         let surface = &self.heights.surface;
         let mut workspace = CutWorkspace::default();
         let whole = self.cut_along(surface, &mut workspace)?;
+        self.context.check()?;
         let loose = self.loose_cells(&whole);
         let options = SplinterOptions {
             max_count: (self.amount.clamp(0.0, 1.0) * MAX_SPLINTERS).ceil() as usize,
@@ -166,6 +168,7 @@ impl FrayedBreak<'_> {
             splinters,
         } = &loosened;
         let source = self.stem.source();
+        self.context.check()?;
         let mut piece = |own: &FractureSurface, side: bool| {
             let as_it_is = self.pieces[usize::from(side)];
             if splinters.iter().all(|s| s.upper != side) {

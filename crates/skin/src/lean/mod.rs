@@ -45,6 +45,8 @@ const MOST_SHEAR: f64 = 0.7;
 /// The same of an edge one end of which is bent over a kink.
 const MOST_TURN: f64 = 2.0;
 const SLACK: f64 = 0.03;
+/// Vertices or triangles whose places in the wood are looked for between two questions whether to stop: some milliseconds.
+const PLACES_AT_ONCE: usize = 10_000;
 /// Rounds in which splinters that cross lean less.
 const ROUNDS: usize = 20;
 /// Rounds after which everything about a crossing that is left stays straight.
@@ -137,12 +139,16 @@ impl LeaningPiece<'_> {
         let sign = if self.upper { -1.0 } else { 1.0 };
         let radius = self.stem.found.stem.radius;
         let mut tree = SplinterTree::new(self.surface, sign, self.cells);
+        self.context.check()?;
         tree.divide(LEAST_PART * radius);
         let seed = self.seed + u64::from(self.upper);
         let (low, high) = self.surface.range();
+        self.context.check()?;
         let places = FacetPlaces::new(self.surface, sign);
+        self.context.check()?;
         let of = (self.surface, sign);
         let snaps = Snaps::new((&tree, &places), of, radius, self.snapped, seed);
+        self.context.check()?;
         let middle = self.stem.square.middle;
         let mut motion = Motion {
             leans: Leans::new(tree, (radius, middle), self.degrees, seed),
@@ -162,15 +168,15 @@ impl LeaningPiece<'_> {
         };
         let mut mesh = mesh.clone();
         let mut spots: Vec<Spot> = Vec::new();
-        map.spots(&mesh, &mut spots);
+        map.spots(&mesh, &mut spots, self.context)?;
         let mut coarse = FxHashMap::default();
         for _ in 0..HALVINGS {
-            self.context.check()?;
-            if !map.halve(&mut mesh, &motion, &mut spots, &mut coarse) {
+            if !map.halve(&mut mesh, &motion, (&mut spots, &mut coarse), self.context)? {
                 break;
             }
         }
         let bent = map.resolved(&mesh, &spots, &mut motion, self.context)?;
+        self.context.check()?;
         map.turn_normals(&mut mesh, &spots, &motion);
         mesh.positions = bent;
         let splinters = motion.leans.splinters();
@@ -212,10 +218,12 @@ impl Map<'_> {
         context: &Context,
     ) -> Result<Vec<DVec3>, Cancelled> {
         let mut bent = self.bent(mesh, spots, motion);
+        context.check()?;
         let mut crossings = Crossings::new(mesh, spots, &bent, context)?;
         for round in 0..ROUNDS {
             context.check()?;
             let torn = self.torn(mesh, spots, motion);
+            context.check()?;
             if crossings.pairs.is_empty() && torn.is_empty() {
                 return Ok(bent);
             }
@@ -228,7 +236,9 @@ impl Map<'_> {
             if !motion.calm(faults, times) {
                 break;
             }
+            context.check()?;
             let before = std::mem::replace(&mut bent, self.bent(mesh, spots, motion));
+            context.check()?;
             crossings.update(&before, &bent, context)?;
         }
         // Whatever it is, it is no longer the motion.
@@ -237,9 +247,17 @@ impl Map<'_> {
     }
 
     /// Adds the spots of vertices that have none yet.
-    fn spots(&self, mesh: &Mesh, spots: &mut Vec<Spot>) {
-        let new = mesh.positions[spots.len()..].iter();
-        spots.extend(new.map(|&p| self.spot(p)).collect::<Vec<_>>());
+    fn spots(
+        &self,
+        mesh: &Mesh,
+        spots: &mut Vec<Spot>,
+        context: &Context,
+    ) -> Result<(), Cancelled> {
+        for new in mesh.positions[spots.len()..].chunks(PLACES_AT_ONCE) {
+            context.check()?;
+            spots.extend(new.iter().map(|&p| self.spot(p)));
+        }
+        Ok(())
     }
 
     fn spot(&self, place: DVec3) -> Spot {
@@ -303,9 +321,9 @@ impl Map<'_> {
         &self,
         mesh: &mut Mesh,
         motion: &Motion,
-        spots: &mut Vec<Spot>,
-        coarse: &mut FxHashMap<[u32; 2], bool>,
-    ) -> bool {
+        (spots, coarse): (&mut Vec<Spot>, &mut FxHashMap<[u32; 2], bool>),
+        context: &Context,
+    ) -> Result<bool, Cancelled> {
         let radius = self.stem.found.stem.radius;
         // Points keep their numbers when vertices are added.
         let (points, _) = mesh.points();
@@ -341,12 +359,16 @@ impl Map<'_> {
                 })
             })
         };
-        let marked: Vec<[bool; 3]> = (mesh.triangles.iter())
-            .map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(&mut is_coarse))
-            .collect();
-        if !marked.as_flattened().contains(&true) {
-            return false;
+        let mut marked: Vec<[bool; 3]> = Vec::with_capacity(mesh.triangles.len());
+        for triangles in mesh.triangles.chunks(PLACES_AT_ONCE) {
+            context.check()?;
+            let edges = triangles.iter().map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+            marked.extend(edges.map(|edges| edges.map(&mut is_coarse)));
         }
+        if !marked.as_flattened().contains(&true) {
+            return Ok(false);
+        }
+        context.check()?;
         let mut made: FxHashMap<[u32; 2], u32> = FxHashMap::default();
         let (mut triangles, mut materials) = (Vec::new(), Vec::new());
         let old = std::mem::take(&mut mesh.triangles);
@@ -362,8 +384,8 @@ impl Map<'_> {
                 .extend((before..triangles.len()).filter_map(|_| mesh.materials.get(t).copied()));
         }
         (mesh.triangles, mesh.materials) = (triangles, materials);
-        self.spots(mesh, spots);
-        true
+        self.spots(mesh, spots, context)?;
+        Ok(true)
     }
 
     /// Turns normals and tangents as the wood turns; positions are still straight.
