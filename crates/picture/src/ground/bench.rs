@@ -16,19 +16,25 @@ const PLANK_TONES: f32 = 0.13;
 const WOOD: Vec3 = Vec3::new(0.176, 0.134, 0.102);
 const KNOT: Vec3 = Vec3::new(0.052, 0.036, 0.026);
 const GREYED: f32 = 0.6;
-/// Width of a ring in the figure, m, how far it wanders, in rings, and the size of such a wander along and across, m.
-const RING: f32 = 7.5e-3;
-const RING_WANDER: f32 = 2.6;
-const WANDER_SIZE: Vec2 = Vec2::new(0.42, 0.05);
+/// Width of a ring, m, and how far rings wander, in rings, with the sizes of such wanders along and across, m.
+const RING: f32 = 5.2e-3;
+const WANDERS: [(f32, Vec2); 2] = [
+    (0.55, Vec2::new(0.11, 0.022)),
+    (0.16, Vec2::new(0.03, 0.007)),
+];
+/// How far from the pith planks are cut, m: at least, and how much farther in places, as stems taper and bow; and the length of
+/// such a place, m. Rings are cut in arches there.
+const PITH_DISTANCE: (f32, f32) = (4e-3, 0.05);
+const BOW_LENGTH: f32 = 0.62;
 /// How much darker latewood is, and the mean of its profile.
-const LATEWOOD: f32 = 0.30;
+const LATEWOOD: f32 = 0.42;
 const MEAN_LATEWOOD: f32 = 1.0 / 3.0;
 /// Streaks along the grain: length and width, m, and share of the brightness.
 const STREAKS: [(Vec2, f32); 4] = [
-    (Vec2::new(0.30, 9e-3), 0.10),
-    (Vec2::new(0.11, 2.4e-3), 0.10),
-    (Vec2::new(0.045, 0.8e-3), 0.12),
-    (Vec2::new(0.016, 0.28e-3), 0.13),
+    (Vec2::new(0.17, 9e-3), 0.06),
+    (Vec2::new(0.06, 2.4e-3), 0.07),
+    (Vec2::new(0.02, 0.8e-3), 0.12),
+    (Vec2::new(0.007, 0.28e-3), 0.16),
 ];
 /// Stains and wear: size, m, and share of the brightness.
 const STAINS: [(f32, f32); 3] = [(0.24, 0.13), (0.075, 0.08), (0.021, 0.05)];
@@ -67,8 +73,17 @@ pub(super) fn bench(place: Vec2, footprint: f32) -> GroundSurface {
         |size: Vec2, k: u32| value(SEED ^ (k << 8) ^ (number as u32) << 16, grain / size);
     let seen_plank = visible(PLANK, footprint);
     // The figure: rings that a flat cut meets at a low angle.
-    let wander = RING_WANDER * on_grain(WANDER_SIZE, 1) + KNOT_BEND * knot.near;
-    let ring = across / RING * (0.5 + 0.9 * own(1)) + wander;
+    let wanders = WANDERS.into_iter().zip([1, 16]);
+    let wander: f32 = wanders
+        .map(|((rings, size), k)| rings * on_grain(size, k))
+        .sum();
+    let bow = value(
+        SEED ^ 0xb0 ^ (number as u32) << 16,
+        Vec2::new(grain.x / BOW_LENGTH, 0.5),
+    );
+    let depth = PITH_DISTANCE.0 + PITH_DISTANCE.1 * (0.5 + 0.5 * bow);
+    let beside = across - PLANK * (0.2 + 0.6 * own(1));
+    let ring = Vec2::new(beside, depth).length() / RING + wander + KNOT_BEND * knot.near;
     let fraction = ring - ring.floor();
     let seen = visible(0.5 * RING, footprint);
     let late = MEAN_LATEWOOD + (fraction * fraction - MEAN_LATEWOOD) * seen;
