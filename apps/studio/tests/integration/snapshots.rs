@@ -329,6 +329,29 @@ fn a_simulation_looks_as_it_did() {
 }
 
 #[test]
+fn a_hand_that_pulls_looks_as_it_did() {
+    let Some(state) = card("a_hand_that_pulls_looks_as_it_did") else {
+        return;
+    };
+    let folder = Folder::new();
+    let mut harness = window(&folder, None, &state);
+    settle(&mut harness);
+    harness.key_press(Key::L);
+    harness.run_steps(2);
+    settle(&mut harness);
+    let from = harness.state().stem_place(0.85).unwrap();
+    harness.hover_at(from);
+    harness.step();
+    harness.drag_at(from);
+    harness.step();
+    for i in 1..=6 {
+        harness.hover_at(from + egui::vec2(4.0, 22.0) * i as f32);
+        harness.step();
+    }
+    check_with_pointer(&mut harness, &state, "pulling");
+}
+
+#[test]
 fn the_list_of_keys_looks_as_it_did() {
     let Some(state) = card("the_list_of_keys_looks_as_it_did") else {
         return;
