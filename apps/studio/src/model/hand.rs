@@ -19,8 +19,6 @@ const LEAST_LEVER: f64 = 0.1;
 const FARTHEST: f64 = 0.8;
 /// How far it pulls along, as a part of the same wood: wood tears at a strain of one or two hundredths.
 const FARTHEST_ALONG: f64 = 0.2;
-/// A pull is along the stem where it goes this many times farther along than across.
-const ALONG: f64 = 2.0;
 /// The end of a cantilever turns by this, times its deflection over its length.
 const CANTILEVER: f64 = 1.5;
 /// Greatest angle by which a hand turns, rad.
@@ -73,12 +71,12 @@ impl Grip {
         self.root.map_or(0.5, |root| (self.at - root).abs())
     }
 
-    /// How far the hand pulls where it is dragged this far, in parts of the stem's length along the axes of the scene: either
-    /// along the stem or across it, and no farther than wood reaches.
+    /// How far the hand pulls where it is dragged this far, in parts of the stem's length along the axes of the scene: along the stem or
+    /// across it, whichever is more, and no farther than wood reaches.
     pub fn pull(&self, dragged: [f64; 3]) -> [f64; 3] {
         let [x, y, z] = dragged;
         let across = y.hypot(z);
-        if x.abs() > ALONG * across {
+        if x.abs() > across {
             let most = FARTHEST_ALONG * self.lever();
             return [round(x.clamp(-most, most)), 0.0, 0.0];
         }

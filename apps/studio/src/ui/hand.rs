@@ -15,6 +15,12 @@ use glam::Vec3;
 
 /// What a drag for the hand is called among the steps.
 const STEP: &str = "pull";
+/// A drag is along the stem where the cosine of the angle between them in the picture is greater: 20°.
+const ALONG: f32 = 0.94;
+/// By which part of the stem's length its direction in the picture is measured, and the points of the window that this must be: one
+/// who looks along the stem cannot drag along it.
+const BESIDE: f32 = 0.1;
+const SEEN: f32 = 12.0;
 /// Points of the curve that shows how the wood bends.
 const CURVE: u16 = 24;
 
@@ -125,10 +131,12 @@ impl Studio {
         }
     }
 
-    /// Drags the hand to a point of the window, in the plane through where it took hold that faces the camera.
+    /// Drags the hand to a point of the window: along the stem where the drag goes along it in the picture, else in the plane through
+    /// where it took hold that faces the camera.
     pub(super) fn drag_hand(&mut self, rect: Rect, pos: Pos2) {
         let (origin, direction) = self.ray_at(rect, pos);
         let facing = self.camera.backward();
+        let along_stem = self.is_along_stem(rect, pos);
         let Some(simulation) = &mut self.simulation else {
             return;
         };
@@ -142,17 +150,40 @@ impl Studio {
         ) else {
             return;
         };
-        let depth = (start - origin).dot(facing) / direction.dot(facing);
-        if !depth.is_finite() || length <= 0.0 {
+        let way = if along_stem {
+            // The point of the line along the stem that is nearest to the ray.
+            let flat = Vec3::X - direction * direction.x;
+            Vec3::X * ((origin - start).dot(flat) / flat.x)
+        } else {
+            let depth = (start - origin).dot(facing) / direction.dot(facing);
+            let [_, y, z] = (origin + direction * depth - start).to_array();
+            Vec3::new(0.0, y, z)
+        };
+        if !way.is_finite() || length <= 0.0 {
             return;
         }
-        let by = grip.pull(of_scene((origin + direction * depth - start) / length));
+        let by = grip.pull(of_scene(way / length));
         if by != hand.by {
             let SimulationView { history, holds, .. } = simulation;
             history.note(STEP, holds, true);
             let hand = holds.iter_mut().find(|h| h.part == HoldPart::Hand);
             hand.into_iter().for_each(|h| h.by = by);
         }
+    }
+
+    /// Whether the way from where the hand took hold to a point of the window goes along the stem, as it is seen.
+    fn is_along_stem(&self, rect: Rect, pos: Pos2) -> bool {
+        let ways = || {
+            let simulation = self.simulation.as_ref()?;
+            let hand = simulation.hand()?;
+            let start = along(&simulation.axis, hand.at)?;
+            let beside = start + Vec3::X * (BESIDE * simulation.stem_length());
+            let from = self.in_window(rect, start)?;
+            Some((pos - from, self.in_window(rect, beside)? - from))
+        };
+        ways().is_some_and(|(way, stem)| {
+            way.dot(stem).abs() > ALONG * way.length() * stem.length() && stem.length() > SEEN
+        })
     }
 
     /// The hand is let go: one that hardly moved is none.

@@ -4,10 +4,12 @@ use crate::common::{Folder, drag, settle, studio};
 use eframe::egui::{Key, Modifiers, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use greenstick::fibre::scene::{Scene, StemChoice};
 use greenstick::files::read_text;
 use greenstick::geometry::Context;
 use greenstick::simulate::{MemoryRun, SimulateRequest, simulate};
 use greenstick_studio::model::holds::HoldPart;
+use greenstick_studio::model::simulation::Source;
 use greenstick_studio::ui::studio::Studio;
 use std::time::{Duration, Instant};
 
@@ -120,7 +122,7 @@ fn wood_is_pulled_until_it_breaks_and_the_saved_scene_is_the_same_for_the_comman
     let saved = folder.0.join("pulled.toml");
     harness.state_mut().save_scene(saved.to_str().unwrap());
     let text = read_text(&saved).unwrap();
-    let scene = greenstick::fibre::scene::Scene::read(&text).unwrap();
+    let scene = Scene::read(&text).unwrap();
     assert_eq!(
         (scene.clamp.len(), scene.clamp[1].axes.to_string()),
         (2, "yz".to_owned())
@@ -138,6 +140,53 @@ fn wood_is_pulled_until_it_breaks_and_the_saved_scene_is_the_same_for_the_comman
     harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     settle(&mut harness);
     assert_eq!((hand(&harness), report(&harness)), (Some((at, by)), pulled));
+}
+
+#[test]
+fn a_hand_tears_the_stem_at_hand_and_its_break_is_one_step() {
+    let folder = Folder::new();
+    let path = folder.0.join("held.toml");
+    std::fs::write(&path, HELD).unwrap();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    let before = harness.state().project.file.clone();
+    let source = Source::File(path.display().to_string());
+    harness.state_mut().begin_simulation(source, true);
+    settle(&mut harness);
+    harness.key_press(Key::L);
+    harness.run_steps(2);
+    // At another frame the drag only goes back to the first.
+    let middle = harness.state().viewport_middle().unwrap();
+    drag(&mut harness, middle, middle + Vec2::new(0.0, 60.0));
+    assert_eq!(hand(&harness), None);
+    assert_eq!(harness.state().simulation().unwrap().shown.unwrap().0, 0);
+    // Along the stem.
+    let [from, tip] = [0.85, 1.0].map(|at| harness.state().stem_place(at).unwrap());
+    drag(&mut harness, from, from + (tip - from) * 0.6);
+    let (_, by) = hand(&harness).unwrap();
+    assert!(by[0] > 0.03 && by[1] == 0.0 && by[2] == 0.0, "{by:?}");
+    assert!(errors(&harness).is_empty(), "{:?}", errors(&harness));
+    let saved = folder.0.join("pulled.toml");
+    harness.state_mut().save_scene(saved.to_str().unwrap());
+    let scene = Scene::read(&read_text(&saved).unwrap()).unwrap();
+    // The built-in branch has no file: the scene makes it.
+    assert_eq!(scene.stem.kind, StemChoice::Branch);
+    assert_eq!(scene.clamp[1].axes.to_string(), "xyz");
+    let request = SimulateRequest {
+        scene,
+        ..SimulateRequest::default()
+    };
+    let alone = simulate(&request, &mut MemoryRun::new(), &Context::quiet()).unwrap();
+    assert_eq!(alone.to_string(), report(&harness));
+    harness.get_by_label("Take this break").click();
+    settle(&mut harness);
+    assert!(errors(&harness).is_empty(), "{:?}", errors(&harness));
+    assert!(harness.state().project.input.is_built_in());
+    assert!(harness.state().report().unwrap().pieces.len() >= 2);
+    assert_ne!(harness.state().project.file, before);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.file, before);
 }
 
 #[test]
