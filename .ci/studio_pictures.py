@@ -24,6 +24,7 @@ PICTURES = {
     "photograph": "photograph",
     "simulation": "simulation",
     "holds": "holds",
+    "pulling": "pulling",
 }
 PAGE = "slid"
 COLOURS = "192"

@@ -79,7 +79,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 Renderer::new(&card.device, &card.queue, wgpu::TextureFormat::Rgba8Unorm);
             let mut camera = Camera::default();
             let aspect = size[0] as f32 / size[1] as f32;
-            camera.frame(at.place, 3.0 * at.radius + at.reach, aspect);
+            let reach = 0.5 * (at.heights[1] - at.heights[0]);
+            camera.frame(at.place, 3.0 * at.radius + reach, aspect);
             let mut times = Vec::with_capacity(FRAMES);
             for _ in 0..FRAMES {
                 camera.orbit(Vec2::new(2.0, 0.0));

@@ -9,8 +9,8 @@ use greenstick::BreakRequest;
 use greenstick::fracture::cut::Side;
 use greenstick::fracture::height_grid::HeightGrid;
 use greenstick::fracture::parameters::BreakParameters;
-use greenstick::geometry::Mesh;
 use greenstick::geometry::mesh::NO_MATERIAL;
+use greenstick::geometry::{Mesh, Scene};
 use greenstick::session::{BreakStages, Broken, NodeRole, PieceRole};
 use greenstick::skin::broken::{FaceAddress, smooth_normals};
 use greenstick::skin::prepared::PreparedStem;
@@ -19,6 +19,9 @@ use greenstick::wood::tissue::Zone;
 use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+
+/// How far below a face that changes a piece stays as it was, radii of the stem: farther than a triangle of the skin is long.
+const KEPT: f64 = 0.3;
 
 /// "Not drawn yet".
 const NONE: u32 = u32::MAX;
@@ -49,6 +52,48 @@ pub struct Surroundings {
     bark: u32,
     /// Both pieces, the lower one first.
     pieces: [Standing; 2],
+    /// The number of the break among those of the request.
+    number: usize,
+    /// The lower piece as it was, where another break ends it.
+    ended: Option<EndedPiece>,
+}
+
+/// The piece below a break, which another break ends that is nearer to the base. Of it what lies far from the changing face stays.
+#[derive(Debug)]
+struct EndedPiece {
+    /// Its triangles, whose vertices are among those of the others, and their materials.
+    triangles: Vec<(u32, [u32; 3])>,
+    /// The lowest point of the face that it had, m from the break along the grain.
+    low: f64,
+    /// Its motion from where it was in the unbroken scene.
+    motion: DAffine3,
+}
+
+/// A finished answer with several breaks.
+#[derive(Debug)]
+pub struct FinishedBreaks {
+    /// What was asked for.
+    pub request: BreakRequest,
+    /// The pieces.
+    pub scene: Scene,
+    /// What each node of the scene is.
+    pub roles: Vec<NodeRole>,
+    /// The scene as it was drawn.
+    pub drawn: DrawnScene,
+}
+
+impl FinishedBreaks {
+    /// The only break whose face is another in a request; `None` where more is another, or nothing.
+    pub fn changed(&self, request: &BreakRequest) -> Option<usize> {
+        let (before, after) = (&self.request.breaks, &request.breaks);
+        let same = before.len() == after.len() && request.every.is_none();
+        if !same || without_faces(request) != without_faces(&self.request) {
+            return None;
+        }
+        let mut changed = (0..before.len()).filter(|&i| before[i] != after[i]);
+        let first = changed.next()?;
+        (changed.next().is_none() && after[first].triangles.is_none()).then_some(first)
+    }
 }
 
 impl Surroundings {
@@ -61,8 +106,8 @@ impl Surroundings {
         stages: &BreakStages,
     ) -> Option<Self> {
         let stem = &stages.stem.sound;
-        let face = only_face(request)?;
-        if changes_more_than_faces(face, stages) {
+        let face = face_of(request, 0)?;
+        if request.breaks.len() > 1 || changes_more_than_faces(face, stages) {
             return None;
         }
         let scene = &broken.scene;
@@ -106,8 +151,8 @@ impl Surroundings {
             return None;
         };
         Some(Surroundings {
-            request: without_face(request),
-            appearance: appearance(request, stages)?,
+            request: without_face(request, 0),
+            appearance: appearance(request, 0, stages)?,
             skin: skin_vertices(stem),
             stem: stem.clone(),
             others,
@@ -115,20 +160,105 @@ impl Surroundings {
             batches,
             bark,
             pieces: [lower, upper],
+            number: 0,
+            ended: None,
         })
+    }
+
+    /// What a finished answer leaves for changes of one of its breaks, with the stages that this had. `None` where the pieces beside
+    /// the break are not all that a change of its face changes.
+    pub fn of_one(finished: &FinishedBreaks, number: usize, stages: &BreakStages) -> Option<Self> {
+        let FinishedBreaks {
+            request,
+            scene,
+            roles,
+            drawn,
+        } = finished;
+        let stem = &stages.stem.sound;
+        if changes_more_than_faces(face_of(request, number)?, stages) {
+            return None;
+        }
+        let below = drawn.piece_below(number)?;
+        let above = below + 1;
+        // Pieces are the first nodes, and the first piece of what is drawn is what no break touched.
+        let [lower, upper] = [below, above].map(|piece| {
+            let node = scene.nodes.get(piece - 1)?;
+            // Both have the face: on another limb, the piece below would be another one.
+            let has_face = node.mesh.materials.contains(&stages.stem.inner_material);
+            let is_segment = matches!(roles[piece - 1], NodeRole::Piece(PieceRole::Segment(_)));
+            (has_face && is_segment).then_some(Standing {
+                number: piece as f32,
+                transform: node.transform,
+            })
+        });
+        let is_last = matches!(roles[below - 1], NodeRole::Piece(PieceRole::Segment(0)));
+        let mut corners: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        let mut triangles = Vec::new();
+        let pieces = piece_of_vertices(scene, roles);
+        for batch in &drawn.batches {
+            let range = batch.first as usize..(batch.first + batch.count) as usize;
+            for t in drawn.indices[range].as_chunks::<3>().0 {
+                match pieces[t[0] as usize] {
+                    Some(piece) if piece == above => {}
+                    Some(piece) if piece == below && is_last => {}
+                    Some(piece) if piece == below => triangles.push((batch.material, *t)),
+                    _ => corners.entry(batch.material).or_default().extend(t),
+                }
+            }
+        }
+        let batches = drawn.batches.iter().map(|b| (b.material, b.clone()));
+        Some(Surroundings {
+            request: without_face(request, number),
+            appearance: appearance(request, number, stages)?,
+            skin: skin_vertices(stem),
+            stem: stem.clone(),
+            corners,
+            batches: batches.collect(),
+            others: DrawnScene {
+                indices: Vec::new(),
+                batches: Vec::new(),
+                ..drawn.clone()
+            },
+            bark: scene.nodes[below - 1].mesh.material(0),
+            pieces: [lower?, upper?],
+            number,
+            ended: (!is_last).then(|| EndedPiece {
+                triangles,
+                low: stages.heights.heights.range.0,
+                motion: drawn.pieces[below].motion,
+            }),
+        })
+    }
+
+    /// The number of the break whose face may change.
+    pub fn number(&self) -> usize {
+        self.number
     }
 
     /// Whether a request leaves all of this as it is, as far as that can be told without breaking anything.
     pub fn may_hold_for(&self, request: &BreakRequest) -> bool {
-        only_face(request).is_some() && without_face(request) == self.request
+        face_of(request, self.number).is_some()
+            && without_face(request, self.number) == self.request
     }
 
     /// Whether a request with these stages leaves all of this as it is.
     pub fn hold_for(&self, request: &BreakRequest, stages: &BreakStages) -> bool {
+        let face = face_of(request, self.number);
         self.may_hold_for(request)
             && Arc::ptr_eq(&self.stem, &stages.stem.sound)
-            && only_face(request).is_some_and(|face| !changes_more_than_faces(face, stages))
-            && appearance(request, stages).as_ref() == Some(&self.appearance)
+            && face.is_some_and(|face| !changes_more_than_faces(face, stages))
+            && appearance(request, self.number, stages).as_ref() == Some(&self.appearance)
+    }
+
+    /// The plane below which the lower piece stays as it was, where another break ends it: a point and the direction upwards.
+    fn bound(&self, stages: &BreakStages) -> Option<(Vec3, Vec3)> {
+        let ended = self.ended.as_ref()?;
+        let stem = &stages.stem.stem().found.stem;
+        let low = ended.low.min(stages.heights.heights.range.0) - KEPT * stem.radius;
+        let frame = stem.grain.axis().frame(stem.location + low);
+        let point = ended.motion.transform_point3(frame.origin) - self.others.middle;
+        let up = ended.motion.transform_vector3(frame.tangent);
+        Some((point.as_vec3(), up.as_vec3()))
     }
 
     /// The scene with the pieces of another face; `None` where it has a material that the scene had not.
@@ -137,11 +267,22 @@ impl Surroundings {
         let addresses = stages.cut.face.addresses(&inner);
         let mut out = self.others.clone();
         let mut corners = self.corners.clone();
+        let bound = self.bound(stages);
+        if let (Some(ended), Some(bound)) = (&self.ended, bound) {
+            for (material, t) in &ended.triangles {
+                if t.iter()
+                    .all(|&v| !is_above(bound, &out.vertices[v as usize]))
+                {
+                    corners.entry(*material).or_default().extend(t);
+                }
+            }
+        }
         let cut = &stages.cut.face;
         let skin = self.skin.len() + 2 * cut.patch.vertices.len();
         out.vertices.reserve(skin + 2 * cut.face.ids.len());
         for (half, piece) in self.pieces.into_iter().enumerate() {
             let mut builder = PieceBuilder::new(self, stages, piece, half == 1, &mut out);
+            builder.bound = bound.filter(|_| half == 0);
             builder.skin(&mut corners);
             let wood = corners.entry(stages.stem.inner_material).or_default();
             builder.face(&addresses, wood);
@@ -161,21 +302,44 @@ impl Surroundings {
     }
 }
 
-/// The parameters of the only face of a request.
-fn only_face(request: &BreakRequest) -> Option<&BreakParameters> {
-    match &request.breaks[..] {
-        [one] if request.every.is_none() && one.triangles.is_none() => Some(&one.recipe.face),
-        _ => None,
+/// The piece of the scene that is drawn that each vertex of it belongs to, strands included; none of what is no piece.
+fn piece_of_vertices(scene: &Scene, roles: &[NodeRole]) -> Vec<Option<usize>> {
+    let mut pieces = Vec::new();
+    for (at, (node, role)) in scene.nodes.iter().zip(roles).enumerate() {
+        let piece = match role {
+            NodeRole::Piece(_) => Some(at + 1),
+            NodeRole::Fuzz(_) => node.parent.map(|parent| parent + 1),
+            NodeRole::Carried | NodeRole::Untouched => None,
+        };
+        pieces.resize(pieces.len() + node.mesh.positions.len(), piece);
     }
+    pieces
 }
 
-fn without_face(request: &BreakRequest) -> BreakRequest {
+/// Whether a vertex lies above a plane.
+fn is_above((point, up): (Vec3, Vec3), vertex: &Vertex) -> bool {
+    (Vec3::from_array(vertex.position) - point).dot(up) >= 0.0
+}
+
+/// The parameters of a face of a request whose breaks were listed one by one.
+fn face_of(request: &BreakRequest, number: usize) -> Option<&BreakParameters> {
+    let one = request.breaks.get(number)?;
+    (request.every.is_none() && one.triangles.is_none()).then_some(&one.recipe.face)
+}
+
+/// A request without one of its faces.
+fn without_face(request: &BreakRequest, number: usize) -> BreakRequest {
     let mut rest = request.clone();
-    for one in &mut rest.breaks {
+    if let Some(one) = rest.breaks.get_mut(number) {
         one.recipe.face = BreakParameters::default();
         one.heights = HeightGrid::default();
     }
     rest
+}
+
+/// A request without any of its faces.
+fn without_faces(request: &BreakRequest) -> BreakRequest {
+    (0..request.breaks.len()).fold(request.clone(), |rest, i| without_face(&rest, i))
 }
 
 /// Whether such a break changes more of the stem than its two faces.
@@ -184,8 +348,12 @@ fn changes_more_than_faces(face: &BreakParameters, stages: &BreakStages) -> bool
 }
 
 /// What the wood and the bark of a break look like; `None` where that cannot be told.
-fn appearance(request: &BreakRequest, stages: &BreakStages) -> Option<StemAppearance> {
-    let recipe = &request.breaks.first()?.recipe;
+fn appearance(
+    request: &BreakRequest,
+    number: usize,
+    stages: &BreakStages,
+) -> Option<StemAppearance> {
+    let recipe = &request.breaks.get(number)?.recipe;
     stages.stem.appearance(recipe).ok()
 }
 
@@ -222,6 +390,8 @@ struct PieceBuilder<'a> {
     /// Number of each vertex of the mesh that is cut and of the patch.
     known: Vec<u32>,
     moved: Moved,
+    /// The plane above which the skin is drawn; none where all of it is.
+    bound: Option<(Vec3, Vec3)>,
 }
 
 /// From the coordinates of the mesh that is cut to a piece's place in the scene.
@@ -277,6 +447,7 @@ impl<'a> PieceBuilder<'a> {
             upper,
             known: vec![NONE; patch.first as usize + patch.vertices.len()],
             moved: Moved::new(piece, out.middle),
+            bound: None,
             out,
         }
     }
@@ -297,7 +468,14 @@ impl<'a> PieceBuilder<'a> {
                 let before = std::mem::replace(&mut list, (material, Vec::new()));
                 corners.entry(before.0).or_default().extend(before.1);
             }
-            list.1.extend(ids.map(|id| this.vertex(id)));
+            let ids = ids.map(|id| this.vertex(id));
+            let above = |bound| {
+                ids.iter()
+                    .any(|&v| is_above(bound, &this.out.vertices[v as usize]))
+            };
+            if this.bound.is_none_or(above) {
+                list.1.extend(ids);
+            }
         };
         let side = if self.upper { Side::Upper } else { Side::Lower };
         for (t, &triangle) in mesh.triangles.iter().enumerate() {

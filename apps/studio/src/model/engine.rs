@@ -1,6 +1,6 @@
 //! The work behind the window: a request becomes a broken scene, by the one chain of stages that all of Greenstick's programs use.
 
-use super::early::Surroundings;
+use super::early::{FinishedBreaks, Surroundings};
 use super::input::{Input, InputContent};
 use super::meshes::{DecodedImages, DrawnScene};
 use super::section_book::{SectionBook, StemSection, sections_of};
@@ -142,6 +142,8 @@ struct Opened {
     scan: Option<ScannedReport>,
     /// What the last finished answer draws around a face.
     around: Option<Surroundings>,
+    /// The last finished answer, where it had several breaks.
+    several: Option<FinishedBreaks>,
     decoded: DecodedImages,
     /// The sections of a stem, by what it was found by.
     sections: Option<(SectionsKey, Result<Vec<StemSection>, String>)>,
@@ -211,10 +213,11 @@ fn request_of(
     request
 }
 
-/// Makes the faces of a request coarse; false where they are no finer already.
-fn coarsen(request: &mut BreakRequest) -> bool {
+/// Makes the faces of a request coarse, or one of them; false where they are no finer already.
+fn coarsen(request: &mut BreakRequest, only: Option<usize>) -> bool {
     let mut changed = false;
-    for one in &mut request.breaks {
+    let breaks = request.breaks.iter_mut().enumerate();
+    for (_, one) in breaks.filter(|b| only.is_none_or(|only| b.0 == only)) {
         let face = &mut one.recipe.face;
         changed |= face.rings > COARSE.0 || face.sectors > COARSE.1;
         face.rings = face.rings.min(COARSE.0);
@@ -225,7 +228,7 @@ fn coarsen(request: &mut BreakRequest) -> bool {
 
 /// Whether a coarse answer is any coarser than the request.
 pub fn has_coarse(file: &RequestFile) -> bool {
-    coarsen(&mut file.request())
+    coarsen(&mut file.request(), None)
 }
 
 impl Engine {
@@ -255,6 +258,7 @@ impl Engine {
                 place,
                 scan,
                 around: None,
+                several: None,
                 decoded: DecodedImages::new(),
                 sections: None,
             });
@@ -265,7 +269,8 @@ impl Engine {
         let mut request = request_of(&job.file, opened.place, opened.scan.as_ref());
         // The viewport evaluates the wood at each pixel.
         request.texture_width = 0;
-        let coarse = job.haste == Haste::Coarse && coarsen(&mut request);
+        let only = (opened.several.as_ref()).and_then(|s| s.changed(&request));
+        let coarse = job.haste == Haste::Coarse && coarsen(&mut request, only);
         let started = opened.draw_early(&request, early, &drawing)?;
         if started.is_some() && job.haste != Haste::Whole {
             return Ok(None);
@@ -275,15 +280,16 @@ impl Engine {
         let origin = opened.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
         let mut drawn = DrawnScene::new(&broken, &mut opened.decoded);
         let started_at = started.unwrap_or(opened.session.started_at());
-        opened.remember(&request, &broken, &drawn, context)?;
-        drawn.survey();
         let sections = match job.sections_of {
             Some(number) => opened.sections(&request, number, &broken, context)?,
             None => None,
         };
+        let report = broken.report.clone();
+        opened.remember(&request, broken, &drawn, context)?;
+        drawn.survey();
         Ok(Some(Shown {
             drawn,
-            report: broken.report,
+            report,
             coarse,
             started_at,
             origin,
@@ -301,10 +307,11 @@ impl Opened {
         early: Early,
         context: &Context,
     ) -> Result<Option<Option<BreakStage>>, Error> {
+        self.look_around(request, context)?;
         let Some(around) = self.around.take_if(|a| a.may_hold_for(request)) else {
             return Ok(None);
         };
-        let stages = self.session.stages(request, context)?;
+        let stages = self.session.stages_of(request, around.number(), context)?;
         let started_at = self.session.started_at();
         if !around.hold_for(request, &stages) {
             return Ok(None);
@@ -316,6 +323,22 @@ impl Opened {
         drawn.survey();
         early(drawn);
         Ok(Some(started_at))
+    }
+
+    /// Finds what the last finished answer with several breaks draws around the one whose face is another now.
+    fn look_around(&mut self, request: &BreakRequest, context: &Context) -> Result<(), Error> {
+        let Some(several) = &self.several else {
+            return Ok(());
+        };
+        let Some(number) = several.changed(request) else {
+            return Ok(());
+        };
+        if self.around.as_ref().is_none_or(|a| a.number() != number) {
+            let silent = context.silenced();
+            let stages = self.session.stages_of(&several.request, number, &silent)?;
+            self.around = Surroundings::of_one(several, number, &stages);
+        }
+        Ok(())
     }
 
     /// The sections of the stem of a break, kept until another stem is broken.
@@ -354,16 +377,25 @@ impl Opened {
     fn remember(
         &mut self,
         request: &BreakRequest,
-        broken: &Broken,
+        broken: Broken,
         drawn: &DrawnScene,
         context: &Context,
     ) -> Result<(), Error> {
-        self.around = if request.breaks.len() == 1 && request.every.is_none() {
+        (self.around, self.several) = (None, None);
+        if request.every.is_some() {
+            return Ok(());
+        }
+        if request.breaks.len() == 1 {
             let stages = self.session.stages(request, context)?;
-            Surroundings::new(request, broken, drawn, &stages)
+            self.around = Surroundings::new(request, &broken, drawn, &stages);
         } else {
-            None
-        };
+            self.several = Some(FinishedBreaks {
+                request: request.clone(),
+                scene: broken.scene,
+                roles: broken.roles,
+                drawn: drawn.clone(),
+            });
+        }
         Ok(())
     }
 }

@@ -44,6 +44,14 @@ impl<T: Clone> History<T> {
         self.open = None;
     }
 
+    /// Takes the last step back as if it had never been.
+    pub fn drop_step(&mut self, present: &mut T) {
+        self.open = None;
+        if let Some((_, before)) = self.past.pop() {
+            *present = before;
+        }
+    }
+
     /// Goes one step back.
     pub fn undo(&mut self, present: &mut T) -> Option<Label> {
         self.open = None;
@@ -99,5 +107,10 @@ mod tests {
         history.redo(&mut file);
         history.redo(&mut file);
         assert_eq!((&file, history.redo_label()), (&end, None));
+        history.note("nothing", &file, true);
+        file.common.recipe.face.inclination = 1.0;
+        history.drop_step(&mut file);
+        assert_eq!((&file, history.redo_label()), (&end, None));
+        assert_eq!(history.undo_label(), Some("inclination"));
     }
 }

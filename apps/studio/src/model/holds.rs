@@ -19,6 +19,8 @@ pub enum HoldPart {
     Force(usize),
     /// A body.
     Body(usize),
+    /// The hand that pulls on the wood.
+    Hand,
 }
 
 /// Something that holds, pushes or pulls the stem.
@@ -30,10 +32,32 @@ pub struct Hold {
     pub name: String,
     /// Where it is, as a fraction of the stem.
     pub at: f64,
+    /// How far a hand pulls, in parts of the stem's length along the axes of the scene; 0 for all else.
+    pub by: [f64; 3],
 }
 
-/// Another place along the stem.
-pub type Moved = (HoldPart, f64);
+/// Where a part of a scene is put, and how far it pulls.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moved {
+    /// The part.
+    pub part: HoldPart,
+    /// Where, as a fraction of the stem.
+    pub at: f64,
+    /// How far a hand pulls, in parts of the stem's length along the axes of the scene.
+    pub by: [f64; 3],
+}
+
+impl From<&Hold> for Moved {
+    fn from(hold: &Hold) -> Self {
+        let Hold { part, at, by, .. } = *hold;
+        Moved { part, at, by }
+    }
+}
+
+/// The hand among what was moved.
+pub fn hand_of(moved: &[Moved]) -> Option<Moved> {
+    moved.iter().find(|m| m.part == HoldPart::Hand).copied()
+}
 
 /// A place that a drag gives a part among others: short, on the stem, and the ends of a clamp in their order.
 pub fn dragged(holds: &[Hold], part: HoldPart, at: f64) -> f64 {
@@ -50,7 +74,10 @@ pub fn dragged(holds: &[Hold], part: HoldPart, at: f64) -> f64 {
 #[cfg(not(target_arch = "wasm32"))]
 pub fn holds_of(setting: &Setting) -> Vec<Hold> {
     let mut holds = Vec::new();
-    let mut hold = |part, name: String, at| holds.push(Hold { part, name, at });
+    let mut hold = |part, name: String, at| {
+        let by = [0.0; 3];
+        holds.push(Hold { part, name, at, by });
+    };
     for (i, clamp) in setting.clamp.iter().enumerate() {
         let name = format!("clamp {}", i + 1);
         hold(HoldPart::ClampFrom(i), name.clone(), clamp.from);
@@ -69,15 +96,16 @@ pub fn holds_of(setting: &Setting) -> Vec<Hold> {
     holds
 }
 
-/// Moves parts of a scene.
+/// Moves parts of a scene. The hand is no part of it yet.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn move_holds(setting: &mut Setting, moved: &[Moved]) {
-    for &(part, at) in moved {
+    for &Moved { part, at, .. } in moved {
         let place = match part {
             HoldPart::ClampFrom(i) => setting.clamp.get_mut(i).map(|c| &mut c.from),
             HoldPart::ClampTo(i) => setting.clamp.get_mut(i).map(|c| &mut c.to),
             HoldPart::Force(i) => setting.force.get_mut(i).map(|f| &mut f.at),
             HoldPart::Body(i) => setting.body.get_mut(i).map(|b| &mut b.at),
+            HoldPart::Hand => None,
         };
         if let Some(place) = place {
             *place = at;
@@ -97,12 +125,15 @@ mod tests {
             let holds = holds_of(&setting);
             let moved: Vec<Moved> = holds
                 .iter()
-                .map(|h| (h.part, dragged(&holds, h.part, h.at + 0.0305)))
+                .map(|h| Moved {
+                    at: dragged(&holds, h.part, h.at + 0.0305),
+                    ..Moved::from(h)
+                })
                 .collect();
             move_holds(&mut setting, &moved);
-            let now: Vec<Moved> = holds_of(&setting).iter().map(|h| (h.part, h.at)).collect();
+            let now: Vec<Moved> = holds_of(&setting).iter().map(Moved::from).collect();
             assert_eq!(now, moved, "{}", built_in.name);
-            assert!(now.iter().all(|m| (0.0..=1.0).contains(&m.1)));
+            assert!(now.iter().all(|m| (0.0..=1.0).contains(&m.at)));
             let text = greenstick::schema::write_toml(&setting);
             assert_eq!(Setting::read(&text).unwrap(), setting, "{}", built_in.name);
         }
@@ -114,6 +145,7 @@ mod tests {
             part,
             name: String::new(),
             at,
+            by: [0.0; 3],
         };
         let (from, to) = (HoldPart::ClampFrom(0), HoldPart::ClampTo(0));
         let holds = [hold(from, 0.2), hold(to, 0.3)];

@@ -100,6 +100,11 @@ impl Input {
         }
     }
 
+    /// Whether it is the branch that comes with the program.
+    pub fn is_built_in(&self) -> bool {
+        self.path.is_none() && self.made.is_none()
+    }
+
     /// The name of the file without its folder; none for the built-in branch.
     pub fn file_name(&self) -> Option<&str> {
         let path = self.path.as_deref()?;

@@ -163,8 +163,8 @@ pub struct DrawnBreak {
     pub across: [Vec3; 2],
     /// Radius of the stem, m.
     pub radius: f32,
-    /// Half the height of the face, m.
-    pub reach: f32,
+    /// Between which heights over the place most of the face lies, m: single splinters reach farther.
+    pub heights: [f32; 2],
     /// Length along the grain, m.
     pub length: f32,
 }
@@ -482,19 +482,19 @@ fn breaks(broken: &Broken, middle: DVec3) -> Vec<DrawnBreak> {
         let stem = &wood.stem;
         let frame = stem.grain.axis().frame(stem.location);
         let report = &broken.report;
-        let range = match i {
-            0 => report.face.range_m,
+        let heights = match i {
+            0 => report.face.percentiles_m,
             _ => report
                 .further_breaks
                 .get(i - 1)
-                .map_or([0.0; 2], |b| b.face.range_m),
+                .map_or([0.0; 2], |b| b.face.percentiles_m),
         };
         DrawnBreak {
             place: (frame.origin - middle).as_vec3(),
             along: frame.tangent.as_vec3(),
             across: [frame.x, frame.y].map(|v| v.as_vec3()),
             radius: stem.radius as f32,
-            reach: (0.5 * (range[1] - range[0])) as f32,
+            heights: heights.map(|h| h as f32),
             length: stem.location as f32,
         }
     };

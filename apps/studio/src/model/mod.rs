@@ -6,6 +6,7 @@ pub mod desk;
 pub mod early;
 pub mod engine;
 pub mod fan;
+pub mod hand;
 pub mod held;
 pub mod history;
 pub mod holds;

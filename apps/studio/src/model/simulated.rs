@@ -24,6 +24,7 @@ use greenstick::simulate::{
 };
 use greenstick::simulated_faces::{PartlyBroken, SimulatedFacesError, simulated_faces};
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run};
+use greenstick::wood::primitive::BranchOptions;
 use greenstick::wood::stem::StemLocation;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -71,7 +72,8 @@ impl From<SimulatedFacesError> for Failure {
     }
 }
 
-/// Puts a scene on a stem, at a place.
+/// Puts a scene on a stem, at a place. Returns the meshes with the stem; none of the built-in branch, which has no file and which
+/// scenes make themselves.
 ///
 /// # Errors
 /// Where the stem is that of a scan, whose bark is still to be laid.
@@ -79,7 +81,13 @@ pub fn put_on(
     setting: &mut Setting,
     input: &Input,
     place: StemLocation,
-) -> Result<greenstick::geometry::Scene, Failure> {
+) -> Result<Option<greenstick::geometry::Scene>, Failure> {
+    if input.is_built_in() {
+        let branch = BranchOptions::default();
+        setting.stem.kind = StemChoice::Branch;
+        (setting.stem.length, setting.stem.diameter) = (branch.length, branch.diameter);
+        return Ok(None);
+    }
     let InputContent::Mesh(scene) = &*input.content else {
         return Err(Failure::new(format!(
             "{}: a scan has no bark yet that could be simulated; export its bark as a mesh, and open that",
@@ -96,7 +104,7 @@ pub fn put_on(
         };
         setting.stem.up = setting.stem.up.or(Some(up));
     }
-    Ok(scene.clone())
+    Ok(Some(scene.clone()))
 }
 
 /// A run that is recorded in memory, and read while it grows.

@@ -30,6 +30,8 @@ pub enum Source {
     File(String),
     /// The folder of a run that was recorded.
     Run(String),
+    /// A stem that is held at its base, to be pulled on by hand.
+    ByHand,
 }
 
 impl Source {
@@ -37,6 +39,7 @@ impl Source {
     pub fn title(&self) -> &str {
         match self {
             Source::BuiltIn(name) => name,
+            Source::ByHand => "pulled by hand",
             Source::File(path) | Source::Run(path) => {
                 path.rsplit(['/', '\\']).next().unwrap_or(path)
             }
@@ -51,9 +54,11 @@ pub struct SimulationJob {
     pub number: u64,
     /// What is simulated.
     pub source: Source,
-    /// The stem that the scene is put on, and where, in place of its own.
+    /// The stem at hand, and the place of its break.
     pub stem: Option<(Input, StemLocation)>,
-    /// Parts of the scene that are elsewhere along its stem.
+    /// Whether the scene is put on that stem in place of its own. One whose stem is an input is in any case.
+    pub own: bool,
+    /// Parts of the scene that are elsewhere along its stem, and the hand that pulls on it.
     pub moved: Vec<Moved>,
 }
 
@@ -149,11 +154,22 @@ pub struct DrawnFrame {
     pub axis: Arc<Vec<Vec3>>,
 }
 
+/// What is known of a simulation when it begins.
+#[derive(Debug)]
+pub struct Begun {
+    /// What its scene shows, in a sentence.
+    pub about: String,
+    /// What stands along its stem.
+    pub holds: Vec<Hold>,
+    /// Whether a hand can pull on its wood, or why not.
+    pub pull: Result<(), String>,
+}
+
 /// What is told of a simulation.
 #[derive(Debug)]
 pub enum News {
-    /// It begins: what its scene shows, and what stands along its stem.
-    Begun(String, Vec<Hold>),
+    /// It begins.
+    Begun(Begun),
     /// There is more of it.
     Recorded(Recorded),
     /// It ended.

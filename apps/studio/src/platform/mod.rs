@@ -1,6 +1,8 @@
 //! What the studio needs of the machine it runs on: work beside the window, files, and places to keep things.
 
 #[cfg(not(target_arch = "wasm32"))]
+mod gate;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod native;
 #[cfg(not(target_arch = "wasm32"))]
 mod simulator;
@@ -10,7 +12,6 @@ pub mod web;
 mod working;
 
 use crate::model::engine::{Failure, Job, Shown};
-use crate::model::holds::Moved;
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
 use crate::model::project_file::ProjectFile;
@@ -105,11 +106,15 @@ pub trait Platform {
     }
     /// Starts to simulate, or to read a run; what was simulated before is given up.
     fn simulate(&mut self, _: SimulationJob) {}
-    /// Writes a scene with parts of it elsewhere along its stem.
+    /// Holds the run that goes on after its present frame, or lets it go on.
+    fn pause_simulation(&mut self, _paused: bool) {}
+    /// Lets a run that is held go on to its next frame.
+    fn step_simulation(&mut self) {}
+    /// Writes the scene of a simulation, with parts of it where they were moved.
     ///
     /// # Errors
     /// Why it could not be written.
-    fn save_scene(&self, _path: &str, _: &Source, _: &[Moved]) -> Result<(), Failure> {
+    fn save_scene(&self, _path: &str, _: &SimulationJob) -> Result<(), Failure> {
         Err(Failure::new("nothing can be simulated here"))
     }
     /// Starts to draw a frame of the simulation; only the newest that was asked for counts.

@@ -4,7 +4,6 @@ use super::simulator::{Simulator, save_scene};
 use super::working::{Wake, Working};
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
 use crate::model::engine::{Engine, Failure, Job, export};
-use crate::model::holds::Moved;
 use crate::model::input::Input;
 use crate::model::photograph::reduced;
 use crate::model::project_file::ProjectFile;
@@ -295,8 +294,16 @@ impl Platform for Native {
         self.simulator.begin(job);
     }
 
-    fn save_scene(&self, path: &str, source: &Source, moved: &[Moved]) -> Result<(), Failure> {
-        save_scene(path, source, moved)
+    fn pause_simulation(&mut self, paused: bool) {
+        self.simulator.pause(paused);
+    }
+
+    fn step_simulation(&mut self) {
+        self.simulator.step();
+    }
+
+    fn save_scene(&self, path: &str, job: &SimulationJob) -> Result<(), Failure> {
+        save_scene(path, job)
     }
 
     fn draw_frame(&mut self, number: usize, look: Look) {

@@ -1,19 +1,21 @@
 //! Simulations on threads of their own: one that runs, one that draws frames.
 
+use super::gate::Gate;
 use super::working::{Wake, Working};
 use super::{Done, WorkProgress};
 use crate::model::engine::Failure;
-use crate::model::holds::{Moved, holds_of, move_holds};
+use crate::model::hand::{BY_HAND, add_hand, can_pull};
+use crate::model::holds::{hand_of, holds_of, move_holds};
 use crate::model::input::{Input, InputContent};
 use crate::model::simulated::{
     EndedRun, FrameArtist, Recording, RunStem, put_on, recorded, recorded_outcome, run,
 };
-use crate::model::simulation::{Look, News, SimulationJob, Source};
-use greenstick::fibre::scene::Scene as Setting;
+use crate::model::simulation::{Begun, Look, News, SimulationJob, Source};
+use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files;
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::formats::{Content, Reach};
-use greenstick::geometry::Stage;
+use greenstick::geometry::{Scene as Meshes, Stage};
 use greenstick::schema::write_toml;
 use greenstick::simulate::{RunSource, SceneMeshes};
 use std::path::{Path, PathBuf};
@@ -29,6 +31,8 @@ struct Current {
     number: u64,
     working: Working,
     artist: Artist,
+    /// Holds the run between two frames.
+    gate: Arc<Gate>,
     /// The run, once it ended.
     ended: Arc<Mutex<Option<EndedRun>>>,
 }
@@ -90,6 +94,16 @@ impl Simulator {
         self.current.working.at()
     }
 
+    /// Holds the run after its present frame, or lets it go on.
+    pub fn pause(&self, paused: bool) {
+        self.current.gate.pause(paused);
+    }
+
+    /// Lets a run that is held go on to its next frame.
+    pub fn step(&self) {
+        self.current.gate.step();
+    }
+
     /// Begins another simulation.
     pub fn begin(&mut self, job: SimulationJob) {
         self.cancel();
@@ -101,17 +115,17 @@ impl Simulator {
         self.frames = Some(wishes);
         let (teller, artist) = (self.teller(), self.current.artist.clone());
         std::thread::spawn(move || draw_frames(&queue, &artist, &teller));
-        let Current {
-            working,
-            artist,
-            ended,
-            ..
-        } = &self.current;
+        let shared = Shared {
+            working: self.current.working.clone(),
+            artist: self.current.artist.clone(),
+            gate: self.current.gate.clone(),
+            ended: self.current.ended.clone(),
+        };
+        let working = shared.working.clone();
         working.begin();
-        let (working, artist, ended) = (working.clone(), artist.clone(), ended.clone());
         let teller = self.teller();
         std::thread::spawn(move || {
-            let outcome = work(job, (&working, &artist, &ended), &teller);
+            let outcome = work(job, &shared, &teller);
             working.end();
             if let Err(failure) = outcome {
                 teller.tell(News::Ended(Err(failure)));
@@ -168,6 +182,10 @@ fn read_scene(source: &Source) -> Result<(Setting, PathBuf), Failure> {
             let setting = Setting::built_in(name).map_err(Failure::new)?;
             Ok((setting, PathBuf::new()))
         }
+        Source::ByHand => {
+            let setting = Setting::read(BY_HAND).map_err(Failure::new)?;
+            Ok((setting, PathBuf::new()))
+        }
         Source::File(path) | Source::Run(path) => {
             let path = Path::new(path);
             let text = files::read_text(path).map_err(Failure::new)?;
@@ -179,13 +197,56 @@ fn read_scene(source: &Source) -> Result<(Setting, PathBuf), Failure> {
     }
 }
 
-/// Writes a scene with parts of it elsewhere along its stem.
+/// The scene of a job.
+struct JobScene {
+    /// The scene, with its parts where they were moved, and the hand.
+    setting: Setting,
+    /// Where its files are.
+    beside: PathBuf,
+    /// The stem at hand, where the scene is put on that.
+    stem: Option<RunStem>,
+    /// What a window needs to know.
+    begun: Begun,
+    /// The meshes that the scene is put on.
+    input: Option<Meshes>,
+}
+
+fn job_scene(job: &SimulationJob) -> Result<JobScene, Failure> {
+    let (mut setting, beside) = read_scene(&job.source)?;
+    let is_on_input = setting.stem.kind == StemChoice::Input;
+    let (mut input, mut stem) = (None, None);
+    if let Some((at_hand, place)) = job.stem.as_ref().filter(|_| job.own || is_on_input) {
+        let place = if job.own { *place } else { setting.stem.at };
+        input = put_on(&mut setting, at_hand, place)?;
+        stem = Some((at_hand.clone(), None));
+    }
+    let pull = can_pull(&setting);
+    move_holds(&mut setting, &job.moved);
+    let begun = Begun {
+        about: setting.about.clone(),
+        holds: holds_of(&setting),
+        pull,
+    };
+    if let Some(hand) = hand_of(&job.moved) {
+        add_hand(&mut setting, hand.at, hand.by);
+    }
+    Ok(JobScene {
+        setting,
+        beside,
+        stem,
+        begun,
+        input,
+    })
+}
+
+/// Writes the scene of a job, with parts of it where they were moved.
 ///
 /// # Errors
 /// Where it cannot be read or written, or would no longer find the meshes of its bodies.
-pub fn save_scene(path: &str, source: &Source, moved: &[Moved]) -> Result<(), Failure> {
-    let (mut setting, beside) = read_scene(source)?;
-    move_holds(&mut setting, moved);
+pub fn save_scene(path: &str, job: &SimulationJob) -> Result<(), Failure> {
+    let JobScene {
+        setting, beside, ..
+    } = job_scene(job)?;
     let path = Path::new(path);
     let whole = |folder: &Path| std::path::absolute(folder).map_err(Failure::new);
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -203,18 +264,32 @@ pub fn save_scene(path: &str, source: &Source, moved: &[Moved]) -> Result<(), Fa
 }
 
 /// What a simulation shares with the window's side of it.
-type Shared<'a> = (&'a Working, &'a Artist, &'a Mutex<Option<EndedRun>>);
+struct Shared {
+    working: Working,
+    artist: Artist,
+    gate: Arc<Gate>,
+    ended: Arc<Mutex<Option<EndedRun>>>,
+}
 
 /// Runs a scene, or reads a run, and makes wood of it.
-fn work(job: SimulationJob, shared: Shared, teller: &Teller) -> Result<(), Failure> {
-    let (working, artist, ended) = shared;
+fn work(job: SimulationJob, shared: &Shared, teller: &Teller) -> Result<(), Failure> {
+    let Shared {
+        working,
+        artist,
+        gate,
+        ended,
+    } = shared;
     let context = working.context(&teller.wake);
     let [running, opening] = context.split([(SIMULATE, 6.0), (WOOD, 1.0)]);
     let (source, meshes, stem) = match &job.source {
         Source::Run(folder) => {
             let (source, meshes, stem) = read_run(Path::new(folder))?;
             let scene = source.scene().map_err(|e| Failure::new(e.to_string()))?;
-            teller.tell(News::Begun(scene.about, Vec::new()));
+            teller.tell(News::Begun(Begun {
+                about: scene.about,
+                holds: Vec::new(),
+                pull: Err("This run was recorded: it is what it is. Open its scene file to pull on its wood.".to_owned()),
+            }));
             *locked(artist) = Some(FrameArtist::new(source.clone(), meshes.clone()));
             teller.tell(News::Recorded(recorded(&*source)));
             let outcome = recorded_outcome(&*source)?;
@@ -222,14 +297,18 @@ fn work(job: SimulationJob, shared: Shared, teller: &Teller) -> Result<(), Failu
             (source, meshes, stem)
         }
         _ => {
-            let (mut setting, beside) = read_scene(&job.source)?;
-            move_holds(&mut setting, &job.moved);
-            let holds = holds_of(&setting);
-            teller.tell(News::Begun(setting.about.clone(), holds));
-            let input = match &job.stem {
-                Some((input, place)) => Some(put_on(&mut setting, input, *place)?),
-                None => None,
-            };
+            let JobScene {
+                mut setting,
+                beside,
+                stem,
+                begun,
+                input,
+            } = job_scene(&job)?;
+            teller.tell(News::Begun(begun));
+            if job.source == Source::ByHand && hand_of(&job.moved).is_none() {
+                // Nothing moves before a hand does.
+                setting.duration = 0.0;
+            }
             let bodies = read_body_meshes(&setting, &beside, Reach::Folder);
             let meshes = SceneMeshes {
                 input,
@@ -238,11 +317,14 @@ fn work(job: SimulationJob, shared: Shared, teller: &Teller) -> Result<(), Failu
             let recording = Recording::default();
             let source: Arc<dyn RunSource> = Arc::new(recording.clone());
             *locked(artist) = Some(FrameArtist::new(source.clone(), meshes.clone()));
-            let tell = |source: &dyn RunSource| teller.tell(News::Recorded(recorded(source)));
+            let tell = |source: &dyn RunSource| {
+                teller.tell(News::Recorded(recorded(source)));
+                gate.pass(&working.token);
+            };
             let outcome = run((setting, meshes.clone()), &recording, &tell, &running)?;
             teller.tell(News::Recorded(recorded(&recording)));
             teller.tell(News::Ended(Ok(outcome)));
-            (source, meshes, job.stem.map(|s| (s.0, None)))
+            (source, meshes, stem)
         }
     };
     let wood = || {

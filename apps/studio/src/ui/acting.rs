@@ -32,6 +32,7 @@ impl Studio {
                     "Nothing can be simulated here: a page has one thread for its work. The program simulates.",
                 )),
             },
+            Action::Pull => self.toggle_pulling(),
             Action::HidePhotograph => self.photograph.hidden ^= true,
             Action::Wireframe => self.view.wireframe ^= true,
             Action::Section => self.view.section ^= true,

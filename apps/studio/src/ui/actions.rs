@@ -12,6 +12,7 @@ pub enum Action {
     BuiltIn,
     Photograph,
     Simulate,
+    Pull,
     SaveScene,
     Undo,
     Redo,
@@ -101,6 +102,12 @@ impl Action {
             "Simulate…",
             "Moves wood as bonded fibres until it breaks, and shows how.",
             &[(CTRL, Key::M)],
+        ),
+        (
+            Action::Pull,
+            "Pull on the wood",
+            "Holds the stem at its base, and lets a drag over the wood pull on it until it breaks.",
+            &[(NONE, Key::L)],
         ),
         (
             Action::SaveScene,

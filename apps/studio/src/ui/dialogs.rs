@@ -15,7 +15,7 @@ use greenstick::schema::Value;
 const PROJECT_ENDING: &str = ".greenstick.toml";
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 9] = [
+const MOUSE: [(&str, &str); 10] = [
     ("Drag, or middle drag", "turns"),
     ("Shift drag, right drag, or Shift middle drag", "shifts"),
     ("Wheel, or Ctrl middle drag", "goes nearer and farther"),
@@ -23,6 +23,10 @@ const MOUSE: [(&str, &str); 9] = [
     ("Pinch, or two fingers with Ctrl", "goes nearer and farther"),
     ("Click on the stem", "breaks it there"),
     ("Drag of a dot on the stem", "moves what it stands for"),
+    (
+        "Drag of the wood in a simulation, with Pull",
+        "pulls on it until it breaks",
+    ),
     ("Double click on a slider or its name", "resets the value"),
     ("Drop a file on the window", "opens it"),
 ];

@@ -1,9 +1,10 @@
-//! The handles of a simulation: clamps, forces and bodies are dragged along the stem at its first frame, and the wood is moved anew.
+//! The handles of a simulation: clamps, forces and bodies are dragged along the stem at its first frame, a hand wherever it pulls to,
+//! and the wood is moved anew.
 
 use super::colours::ACCENT;
 use super::dialogs::buttons;
 use super::file_dialog::FileDialog;
-use super::simulation_view::SimulationView;
+use super::simulation_view::{Grabbed, SimulationView};
 use super::studio::Studio;
 use crate::model::holds::{HoldPart, Moved, dragged};
 use crate::model::simulation::Source;
@@ -16,7 +17,7 @@ const HOLD: f32 = 11.0;
 const STEPS: u16 = 400;
 
 /// The point at a fraction of an axis.
-fn along(axis: &[glam::Vec3], at: f64) -> Option<glam::Vec3> {
+pub(super) fn along(axis: &[glam::Vec3], at: f64) -> Option<glam::Vec3> {
     let last = axis.len().checked_sub(1)?;
     let place = at.clamp(0.0, 1.0) * last as f64;
     let low = (place.floor() as usize).min(last.saturating_sub(1));
@@ -27,7 +28,8 @@ fn along(axis: &[glam::Vec3], at: f64) -> Option<glam::Vec3> {
 impl Studio {
     /// The simulation whose handles are shown: a scene at its first frame. A run that was recorded is what it is.
     fn held_scene(&self) -> Option<&SimulationView> {
-        let simulation = self.simulation.as_ref().filter(|_| self.view.handles)?;
+        let simulation = self.simulation.as_ref();
+        let simulation = simulation.filter(|s| self.view.handles || s.pulls)?;
         let is_scene = !matches!(simulation.source, Source::Run(_));
         let is_first = simulation.shown.is_some_and(|s| s.0 == 0);
         (is_scene && is_first && simulation.axis.len() > 1).then_some(simulation)
@@ -39,8 +41,18 @@ impl Studio {
 
     /// Where the dot of a part of the scene is in the window, where handles are shown.
     pub fn hold_dot(&self, part: HoldPart) -> Option<Pos2> {
-        let hold = self.held_scene()?.holds.iter().find(|h| h.part == part)?;
-        self.axis_in_window(self.viewport_rect?, hold.at)
+        let simulation = self.held_scene()?;
+        let rect = self.viewport_rect?;
+        if part == HoldPart::Hand {
+            return self.in_window(rect, simulation.hand_end()?);
+        }
+        let hold = simulation.holds.iter().find(|h| h.part == part)?;
+        self.axis_in_window(rect, hold.at)
+    }
+
+    /// Where a fraction of the stem is in the window, where handles are shown.
+    pub fn stem_place(&self, at: f64) -> Option<Pos2> {
+        self.axis_in_window(self.viewport_rect?, at)
     }
 
     /// The part whose dot is at a point of the window.
@@ -52,7 +64,7 @@ impl Studio {
     }
 
     /// The fraction of the stem that is nearest to a point of the window.
-    fn fraction_at(&self, rect: Rect, pos: Pos2) -> Option<f64> {
+    pub(super) fn fraction_at(&self, rect: Rect, pos: Pos2) -> Option<f64> {
         let fractions = (0..=STEPS).map(|k| f64::from(k) / f64::from(STEPS));
         let seen = fractions.filter_map(|t| Some((t, self.axis_in_window(rect, t)?.distance(pos))));
         seen.min_by(|a, b| a.1.total_cmp(&b.1)).map(|s| s.0)
@@ -61,27 +73,42 @@ impl Studio {
     /// Drags a part of the scene along the stem; returns whether one is held. The wood is moved anew when it is let go.
     pub(super) fn drag_hold(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) -> bool {
         let left = PointerButton::Primary;
-        let pressed = ui.input(|i| i.pointer.press_origin());
+        let (pressed, plain) = ui.input(|i| (i.pointer.press_origin(), i.modifiers.is_none()));
         if response.drag_started_by(left) {
-            let part = pressed.and_then(|pos| self.hold_part_at(pos));
+            let pressed = pressed.filter(|_| plain);
+            let held = pressed.and_then(|pos| match self.hold_part_at(pos) {
+                None => self.take_hold(rect, pos),
+                Some(part) => Some(Grabbed::Part(part)),
+            });
             if let Some(simulation) = &mut self.simulation {
-                simulation.held = part;
+                simulation.held = held;
             }
         }
-        let Some(part) = self.simulation.as_ref().and_then(|s| s.held) else {
-            return false;
+        let part = match self.simulation.as_ref().and_then(|s| s.held) {
+            Some(Grabbed::Part(part)) => part,
+            Some(Grabbed::Nothing) => return response.dragged_by(left),
+            None => return false,
         };
         let pos = response.interact_pointer_pos();
         let at = pos.and_then(|pos| self.fraction_at(rect, pos));
-        let Some(simulation) = &mut self.simulation else {
-            return false;
-        };
         if !response.dragged_by(left) {
-            simulation.held = None;
-            simulation.history.rest();
+            if part == HoldPart::Hand {
+                self.let_go_of_hand();
+            }
+            if let Some(simulation) = &mut self.simulation {
+                simulation.held = None;
+                simulation.history.rest();
+            }
             self.simulate_again();
             return false;
         }
+        if let (HoldPart::Hand, Some(pos)) = (part, pos) {
+            self.drag_hand(rect, pos);
+            return true;
+        }
+        let Some(simulation) = &mut self.simulation else {
+            return false;
+        };
         if let Some(at) = at {
             let at = dragged(&simulation.holds, part, at);
             let hold = simulation.holds.iter().position(|h| h.part == part);
@@ -130,7 +157,7 @@ impl Studio {
     /// The places of the parts of the scene.
     fn moved(&self) -> Vec<Moved> {
         let holds = self.simulation.iter().flat_map(|s| &s.holds);
-        holds.map(|h| (h.part, h.at)).collect()
+        holds.map(Moved::from).collect()
     }
 
     /// Begins the simulation again where its parts are now, and looks at it from where it was looked at.
@@ -144,9 +171,11 @@ impl Studio {
             return;
         }
         let (source, own, camera) = (before.source.clone(), before.own, before.camera_before);
+        let pulls = before.pulls;
         self.begin_simulation_at(source, own, moved);
         if let Some(simulation) = &mut self.simulation {
             simulation.camera_before = camera;
+            simulation.pulls = pulls;
             simulation.holds = std::mem::take(&mut before.holds);
             simulation.history = std::mem::take(&mut before.history);
             simulation.axis = std::mem::take(&mut before.axis);
@@ -164,9 +193,11 @@ impl Studio {
         };
         let painter = ui.painter_at(rect);
         let over = match simulation.held {
-            Some(part) => Some(part),
+            Some(Grabbed::Part(part)) => Some(part),
+            Some(Grabbed::Nothing) => None,
             None => response.hover_pos().and_then(|p| self.hold_part_at(p)),
         };
+        self.paint_hand(&painter, rect, simulation);
         if over.is_some() {
             ui.ctx().set_cursor_icon(CursorIcon::Grab);
         }
@@ -188,13 +219,16 @@ impl Studio {
             }
         }
         for hold in &simulation.holds {
-            let Some(dot) = self.axis_in_window(rect, hold.at) else {
+            let Some(dot) = self.hold_dot(hold.part) else {
                 continue;
             };
             let is_over = over == Some(hold.part);
             paint_dot(&painter, dot, hold.part, is_over);
             if is_over {
-                let text = format!("{}, at {:.3}", hold.name, hold.at);
+                let text = match hold.part {
+                    HoldPart::Hand => self.hand_text(simulation, hold),
+                    _ => format!("{}, at {:.3}", hold.name, hold.at),
+                };
                 let galley = painter.layout_no_wrap(text, egui::FontId::proportional(13.0), ACCENT);
                 let at = dot + Vec2::new(14.0, -14.0);
                 let place = egui::Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
@@ -225,19 +259,21 @@ impl Studio {
         let Some(simulation) = &self.simulation else {
             return;
         };
-        match self.platform.save_scene(path, &simulation.source, &moved) {
+        let (number, source) = (simulation.number, simulation.source.clone());
+        let job = self.simulation_job(number, source, simulation.own, moved);
+        match self.platform.save_scene(path, &job) {
             Ok(()) => self.said = format!("Saved {path}."),
             Err(failure) => self.fail(&failure),
         }
     }
 }
 
-/// A dot: round at the ends of a clamp, a diamond for a force, a square for a body.
+/// A dot: round at the ends of a clamp and of a hand, a diamond for a force, a square for a body.
 fn paint_dot(painter: &egui::Painter, dot: Pos2, part: HoldPart, over: bool) {
     let radius = if over { DOT + 2.0 } else { DOT };
     let line = Stroke::new(1.0, Color32::BLACK);
     match part {
-        HoldPart::ClampFrom(_) | HoldPart::ClampTo(_) => {
+        HoldPart::ClampFrom(_) | HoldPart::ClampTo(_) | HoldPart::Hand => {
             painter.circle(dot, radius, ACCENT, line);
         }
         HoldPart::Force(_) => {

@@ -114,6 +114,7 @@ impl Studio {
         }
         if !self.platform.scenes().is_empty() {
             self.menu_item(ui, Action::Simulate);
+            self.menu_item(ui, Action::Pull);
         }
         ui.separator();
         self.menu_item(ui, Action::Save);

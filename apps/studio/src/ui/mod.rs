@@ -17,6 +17,7 @@ mod fan_tool;
 mod fans;
 mod file_dialog;
 mod gallery;
+mod hand;
 mod handles;
 mod holds;
 mod lost_card;

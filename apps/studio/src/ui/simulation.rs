@@ -8,7 +8,7 @@ use crate::model::history::History;
 use crate::model::holds::Moved;
 use crate::model::input::InputContent;
 use crate::model::simulation::{
-    Look, News, Playback, Recorded, SceneEntry, SimulationJob, Source, Taken,
+    Begun, Look, News, Playback, Recorded, SceneEntry, SimulationJob, Source, Taken,
 };
 use crate::platform::{Lane, Opened};
 use eframe::egui::{self, Key, Modifiers, RichText, Ui};
@@ -59,17 +59,14 @@ impl Studio {
     pub(super) fn begin_simulation_at(&mut self, source: Source, own: bool, moved: Vec<Moved>) {
         self.numbers += 1;
         let number = self.numbers;
-        let place = self.project.file.breaks.first();
-        let place = place.unwrap_or(&self.project.file.common).place;
-        self.platform.simulate(SimulationJob {
-            number,
-            source: source.clone(),
-            stem: own.then(|| (self.project.input.clone(), place)),
-            moved: moved.clone(),
-        });
+        let job = self.simulation_job(number, source.clone(), own, moved.clone());
+        self.platform.simulate(job);
         let before = self.simulation.take();
         self.simulation = Some(SimulationView {
             number,
+            can_pull: Ok(()),
+            pulls: source == Source::ByHand,
+            paused: false,
             source,
             own,
             holds: Vec::new(),
@@ -93,6 +90,25 @@ impl Studio {
         });
     }
 
+    /// What is asked for to simulate a scene with parts of it elsewhere.
+    pub(super) fn simulation_job(
+        &self,
+        number: u64,
+        source: Source,
+        own: bool,
+        moved: Vec<Moved>,
+    ) -> SimulationJob {
+        let place = self.project.file.breaks.first();
+        let place = place.unwrap_or(&self.project.file.common).place;
+        SimulationJob {
+            number,
+            source,
+            stem: Some((self.project.input.clone(), place)),
+            own,
+            moved,
+        }
+    }
+
     /// Goes back to the break.
     pub(super) fn end_simulation(&mut self) {
         if let Some(simulation) = self.simulation.take() {
@@ -109,7 +125,8 @@ impl Studio {
 
     /// Whether a simulation is at work, or a frame of it is to be drawn.
     pub(super) fn simulates(&self) -> bool {
-        let works = self.platform.progress(Lane::Simulation).is_some();
+        let paused = self.simulation.as_ref().is_some_and(|s| s.paused);
+        let works = self.platform.progress(Lane::Simulation).is_some() && !paused;
         let waits = |s: &SimulationView| {
             let is_there = s.frames() == 0 || s.shown == Some(s.wanted());
             !is_there || s.asked.is_some() || s.takes || s.playback.playing
@@ -123,10 +140,11 @@ impl Studio {
             return;
         };
         match news {
-            News::Begun(about, holds) => {
+            News::Begun(Begun { about, holds, pull }) => {
                 simulation.about = about;
+                simulation.can_pull = pull;
                 if simulation.simulated.is_empty() {
-                    simulation.simulated = holds.iter().map(|h| (h.part, h.at)).collect();
+                    simulation.simulated = holds.iter().map(Moved::from).collect();
                 }
                 if simulation.holds.is_empty() {
                     simulation.holds = holds;
@@ -249,23 +267,64 @@ impl Studio {
 
     /// Space plays and pauses, the arrows step.
     pub(super) fn simulation_keys(&mut self, ctx: &egui::Context) {
-        if ctx.text_edit_focused() || self.dialog.is_some() {
+        if ctx.text_edit_focused() || self.dialog.is_some() || self.simulation.is_none() {
             return;
         }
+        let pressed = |key| ctx.input_mut(|i| i.consume_key(Modifiers::NONE, key));
+        if pressed(Key::Space) {
+            self.play_or_pause();
+        }
+        if pressed(Key::ArrowLeft) {
+            self.step_frame(-1);
+        }
+        if pressed(Key::ArrowRight) {
+            self.step_frame(1);
+        }
+    }
+
+    /// Whether the wood is still being moved, and the last frame so far is shown.
+    pub(super) fn is_live(&self) -> bool {
+        let works = self.platform.progress(Lane::Simulation).is_some();
+        self.simulation.as_ref().is_some_and(|s| {
+            let at_last = s.playback.at + 1 >= s.frames() && !s.playback.playing;
+            works && s.outcome.is_none() && at_last
+        })
+    }
+
+    /// Holds the run, or lets it go on; where it ended, or an earlier frame is shown, plays or pauses what is recorded.
+    pub(super) fn play_or_pause(&mut self) {
+        let live = self.is_live();
         let Some(simulation) = &mut self.simulation else {
             return;
         };
-        let pressed = |key| ctx.input_mut(|i| i.consume_key(Modifiers::NONE, key));
+        if live {
+            simulation.paused ^= true;
+            simulation.playback.follows = true;
+            self.platform.pause_simulation(simulation.paused);
+        } else {
+            simulation.playback.toggle(simulation.frames());
+        }
+    }
+
+    /// Shows the frame before or after; after the last one, the run goes on to its next and waits.
+    pub(super) fn step_frame(&mut self, by: isize) {
+        let live = self.is_live();
+        let Some(simulation) = &mut self.simulation else {
+            return;
+        };
+        if live && by > 0 {
+            simulation.playback.follows = true;
+            match simulation.paused {
+                true => self.platform.step_simulation(),
+                false => self.platform.pause_simulation(true),
+            }
+            simulation.paused = true;
+            return;
+        }
         let count = simulation.frames();
         let playback = &mut simulation.playback;
-        if pressed(Key::Space) {
-            playback.toggle(count);
-        }
-        if pressed(Key::ArrowLeft) {
-            playback.go(playback.at.saturating_sub(1), count);
-        }
-        if pressed(Key::ArrowRight) {
-            playback.go(playback.at + 1, count);
-        }
+        playback.go(playback.at.saturating_add_signed(by), count);
+        // What is at the last frame goes on with the run.
+        playback.follows = simulation.outcome.is_none() && playback.at + 1 == count;
     }
 }

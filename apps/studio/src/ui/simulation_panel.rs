@@ -3,6 +3,7 @@
 use super::actions::Action;
 use super::charts::{chart, short};
 use super::studio::Studio;
+use crate::model::holds::hand_of;
 use crate::model::simulation::{Look, Source};
 use crate::platform::Lane;
 use eframe::egui::{self, Grid, RichText, Ui};
@@ -44,7 +45,14 @@ impl Studio {
         ui.separator();
         let works = self.platform.progress(Lane::Simulation).is_some();
         let mut take = false;
+        let by_hand = simulation.source == Source::ByHand;
+        let is_pulled = hand_of(&simulation.simulated).is_some();
         match &simulation.outcome {
+            Some(_) if by_hand && !is_pulled => {
+                let text = "Drag the wood, and a hand pulls it to where it is let go, until it breaks. A drag across the stem bends \
+                            it, one along it tears it.";
+                ui.add(egui::Label::new(text).wrap());
+            }
             Some(outcome) => {
                 Grid::new("outcome")
                     .num_columns(2)
@@ -75,13 +83,21 @@ impl Studio {
                     ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
                 }
             }
+            None if works && simulation.paused => {
+                drop(ui.label("The run waits. Space lets it go on, the right arrow by one frame."))
+            }
             None if works => drop(ui.label("The wood is being moved …")),
             None => drop(ui.label("The simulation was stopped before its end.")),
         }
         let (mut first, mut save) = (false, false);
         if !simulation.holds.is_empty() {
             ui.separator();
-            let hint = "At the first frame, dots on the stem move clamps, forces and bodies.";
+            let hint = match simulation.pulls {
+                true => {
+                    "At the first frame, dots on the stem move what holds it, and a drag over the wood pulls on it."
+                }
+                false => "At the first frame, dots on the stem move clamps, forces and bodies.",
+            };
             ui.add(egui::Label::new(RichText::new(hint).weak()).wrap());
             let is_scene = !matches!(simulation.source, Source::Run(_));
             ui.horizontal(|ui| {
@@ -110,30 +126,34 @@ impl Studio {
 
     /// The line below the picture that plays, steps and scrubs.
     pub(super) fn timeline(&mut self, ui: &mut Ui) {
+        let live = self.is_live();
         let Some(simulation) = &mut self.simulation else {
             return;
         };
         let count = simulation.frames();
         let has_wood = simulation.wood == Some(Ok(()));
+        let (mut toggle, mut step) = (false, None);
+        let label = match (live, simulation.paused, simulation.playback.playing) {
+            (true, true, _) => "Go on",
+            (true, false, _) | (false, _, true) => "Pause",
+            (false, _, false) => "Play",
+        };
         egui::Panel::bottom("timeline").show(ui, |ui| {
             ui.horizontal(|ui| {
                 let playback = &mut simulation.playback;
-                let label = if playback.playing { "Pause" } else { "Play" };
                 let play = egui::Button::new(label).min_size(egui::vec2(52.0, 0.0));
-                if ui
-                    .add(play)
-                    .on_hover_text("Plays or pauses (Space).")
-                    .clicked()
-                {
-                    playback.toggle(count);
-                }
+                let about = match live {
+                    true => "Holds the run after its present frame, or lets it go on (Space).",
+                    false => "Plays or pauses (Space).",
+                };
+                toggle = ui.add(play).on_hover_text(about).clicked();
                 for (label, name, by) in [("‹", "One frame back", -1), ("›", "One frame on", 1)]
                 {
                     let button = ui.button(label).on_hover_text(name);
                     button
                         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, name));
                     if button.clicked() {
-                        playback.go(playback.at.saturating_add_signed(by), count);
+                        step = Some(by);
                     }
                 }
                 let last = count.saturating_sub(1);
@@ -144,6 +164,7 @@ impl Studio {
                 response.widget_info(|| egui::WidgetInfo::slider(true, at as f64, "Frame"));
                 if at != playback.at {
                     playback.go(at, count);
+                    playback.follows = simulation.outcome.is_none() && at == last;
                 }
                 let time = simulation.recorded.times.get(playback.at).copied();
                 let time = time.map_or(String::new(), |t| format!("{} s", short(t)));
@@ -166,5 +187,11 @@ impl Studio {
                 });
             });
         });
+        if toggle {
+            self.play_or_pause();
+        }
+        if let Some(by) = step {
+            self.step_frame(by);
+        }
     }
 }

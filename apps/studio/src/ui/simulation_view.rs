@@ -8,6 +8,15 @@ use crate::view::camera::Camera;
 use glam::Vec3;
 use std::sync::Arc;
 
+/// What a drag began with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Grabbed {
+    /// A part of the scene.
+    Part(HoldPart),
+    /// Wood that cannot be pulled there.
+    Nothing,
+}
+
 /// A simulation that is looked at.
 pub struct SimulationView {
     /// Tells it apart from those before.
@@ -21,8 +30,13 @@ pub struct SimulationView {
     pub(super) history: History<Vec<Hold>>,
     /// Where it was when the simulation began.
     pub(super) simulated: Vec<Moved>,
-    /// The part that the pointer holds.
-    pub(super) held: Option<HoldPart>,
+    /// Whether a hand can pull on its wood, or why not, and whether a drag over the wood is one.
+    pub(super) can_pull: Result<(), String>,
+    pub(super) pulls: bool,
+    /// Whether the run waits after its last frame.
+    pub paused: bool,
+    /// What the pointer holds while it is pressed.
+    pub(super) held: Option<Grabbed>,
     /// The axis of the stem before it moved.
     pub(super) axis: Arc<Vec<Vec3>>,
     /// What its scene shows, in a sentence.

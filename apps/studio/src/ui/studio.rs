@@ -31,8 +31,10 @@ const SLOW: f64 = 0.12;
 const KEEP_AFTER: f64 = 2.0;
 /// Seconds after which a frame follows the last one that something happened in.
 const LAST_FRAME: f32 = 0.05;
-/// Radii of the stem around the face that framing a break shows.
-const BREAK_ROOM: f32 = 2.4;
+/// Parts of the viewport's height that both faces of a break with the gap between them, and the diameter of the stem, fill at most
+/// where the break is framed.
+const FRAMED_FACES: f32 = 0.7;
+const FRAMED_DIAMETER: f32 = 0.4;
 
 /// A message that stays until it is dismissed.
 #[derive(Debug, Clone, PartialEq)]
@@ -273,6 +275,11 @@ impl Studio {
         self.handle_at
     }
 
+    /// The middle of the viewport in the window.
+    pub fn viewport_middle(&self) -> Option<egui::Pos2> {
+        self.viewport_rect.map(|r| r.center())
+    }
+
     /// Messages that wait to be dismissed.
     pub fn messages(&self) -> &[Message] {
         &self.messages
@@ -484,10 +491,12 @@ impl Studio {
         let Some(at) = drawn.breaks.first() else {
             return self.frame_all();
         };
-        let apart = self.apart() as f32;
-        let radius = at.reach + BREAK_ROOM * at.radius + 0.5 * apart;
-        let centre = at.place + at.along * (0.5 * apart);
-        self.camera.frame(centre, radius, self.aspect);
+        // The upper face is moved up along the stem.
+        let (low, high) = (at.heights[0], at.heights[1] + self.apart() as f32);
+        let faces = (high - low) / FRAMED_FACES;
+        let height = faces.max(2.0 * at.radius / FRAMED_DIAMETER);
+        let centre = at.place + at.along * (0.5 * (low + high));
+        self.camera.frame_height(centre, height, self.aspect);
         if self.frame_next {
             self.camera.look_from_aside(at.along);
         }

@@ -53,6 +53,7 @@ impl Studio {
                     self.drag_hold(ui, rect, &response) || self.navigate(ui, rect, &response);
                 self.paint(ui, rect, moving);
                 self.paint_photograph(ui, rect);
+                self.point_at_wood(ui, rect, &response);
                 self.paint_holds(ui, rect, &response);
                 self.overlays(ui, rect);
                 return;
@@ -113,6 +114,7 @@ impl Studio {
                         .on_hover_text(
                             "Dots at the first frame that move clamps, forces and bodies (H).",
                         );
+                    self.pull_switch(ui);
                 }
                 for action in [Action::FrameBreak, Action::FrameAll] {
                     let name = action.label().replace("Frame ", "");
@@ -438,7 +440,9 @@ impl Studio {
             }
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.horizontal(|ui| {
+                    let waits = self.simulation.as_ref().is_some_and(|s| s.paused);
                     let about = match (&self.opening, lane) {
+                        (_, Lane::Simulation) if waits => "Simulation waits".to_owned(),
                         (Some(path), Lane::Files) => format!("Opening {path}"),
                         (None, Lane::Files) => "Writing the pieces".to_owned(),
                         _ => title.to_owned(),

@@ -172,6 +172,13 @@ impl Camera {
         self.distance = MARGIN * radius.max(1e-5) / (HALF_ANGLE.sin() * narrow);
     }
 
+    /// Shows what is so high (m) from the upper to the lower edge of the picture, or as wide where the picture is narrow.
+    pub fn frame_height(&mut self, centre: Vec3, height: f32, aspect: f32) {
+        self.target = centre;
+        let narrow = aspect.clamp(0.2, 1.0);
+        self.distance = 0.5 * height.max(1e-5) / (HALF_ANGLE.tan() * narrow);
+    }
+
     /// Looks along an axis, or against it.
     pub fn look(&mut self, view: AxisView, opposite: bool) {
         use std::f32::consts::{FRAC_PI_2, PI};
@@ -238,6 +245,21 @@ mod tests {
         camera.zoom(0.5, at, 1.5);
         let clip = camera.projection(1.5, 1.0).project_point3(point);
         assert!((clip.truncate() - at).length() < 1e-3, "{clip}");
+    }
+
+    #[test]
+    fn a_framed_height_fills_the_picture() {
+        let mut camera = Camera::default();
+        for (aspect, edge) in [(1.5, Vec2::Y), (0.5, Vec2::X)] {
+            camera.frame_height(Vec3::ONE, 0.6, aspect);
+            let across = if edge == Vec2::X {
+                camera.right()
+            } else {
+                camera.up()
+            };
+            let seen = camera.seen_at(Vec3::ONE + across * 0.3, aspect).unwrap();
+            assert!((seen - edge).length() < 1e-5, "{seen}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod common;
 mod cracks;
 mod early;
 mod fans;
+mod hand;
 mod lost_card;
 mod page;
 mod paint;

@@ -101,7 +101,8 @@ fn frame(shown: &Arc<DrawnScene>, colours: Colours) -> View {
         pitch: 0.4,
         ..Camera::default()
     };
-    camera.frame(at.place, 3.0 * at.radius + at.reach, 1.0);
+    let reach = 0.5 * (at.heights[1] - at.heights[0]);
+    camera.frame(at.place, 3.0 * at.radius + reach, 1.0);
     View {
         shown: Some((1, shown.clone())),
         camera,

@@ -224,13 +224,13 @@ fn check_with_pointer(harness: &mut Harness<'static, Studio>, state: &RenderStat
     }
 }
 
-/// Turns the picture so that the broken face is seen from above and from near.
-fn from_above(harness: &mut Harness<'static, Studio>) {
+/// Turns the picture so that the broken face is seen from above, and goes nearer by some notches of the wheel.
+fn from_above(harness: &mut Harness<'static, Studio>, notches: usize) {
     let corner = egui::pos2(640.0, 600.0);
     drag(harness, corner, corner + egui::vec2(0.0, 70.0));
     let face = harness.state_mut().face_place_at(0.0, 0.0).unwrap();
     harness.hover_at(face);
-    for _ in 0..11 {
+    for _ in 0..notches {
         harness.event(egui::Event::MouseWheel {
             unit: egui::MouseWheelUnit::Line,
             delta: egui::vec2(0.0, 1.0),
@@ -291,7 +291,7 @@ fn placed_cracks_and_a_dragged_ring_look_as_they_did() {
     check(&mut harness, &state, "dragged");
     harness.key_press(Key::S);
     harness.run_steps(5);
-    from_above(&mut harness);
+    from_above(&mut harness, 9);
     harness.key_press(Key::K);
     harness.run_steps(2);
     for (from, to) in [
@@ -329,6 +329,29 @@ fn a_simulation_looks_as_it_did() {
 }
 
 #[test]
+fn a_hand_that_pulls_looks_as_it_did() {
+    let Some(state) = card("a_hand_that_pulls_looks_as_it_did") else {
+        return;
+    };
+    let folder = Folder::new();
+    let mut harness = window(&folder, None, &state);
+    settle(&mut harness);
+    harness.key_press(Key::L);
+    harness.run_steps(2);
+    settle(&mut harness);
+    let from = harness.state().stem_place(0.85).unwrap();
+    harness.hover_at(from);
+    harness.step();
+    harness.drag_at(from);
+    harness.step();
+    for i in 1..=6 {
+        harness.hover_at(from + egui::vec2(4.0, 22.0) * i as f32);
+        harness.step();
+    }
+    check_with_pointer(&mut harness, &state, "pulling");
+}
+
+#[test]
 fn the_list_of_keys_looks_as_it_did() {
     let Some(state) = card("the_list_of_keys_looks_as_it_did") else {
         return;
@@ -355,7 +378,7 @@ fn the_handles_of_the_zones_look_as_they_did() {
     let file = greenstick::RequestFile::resolve(&[], None, &settings).unwrap();
     std::fs::write(&project, file.to_toml()).unwrap();
     let mut harness = window(&folder, project.to_str(), &state);
-    from_above(&mut harness);
+    from_above(&mut harness, 7);
     for name in ["ductile", "high"] {
         harness.key_press_modifiers(Modifiers::SHIFT, Key::H);
         harness.step();
@@ -375,7 +398,7 @@ fn a_painted_face_looks_as_it_did() {
     let mut harness = window(&folder, None, &state);
     harness.get_by_label("brash").click();
     settle(&mut harness);
-    from_above(&mut harness);
+    from_above(&mut harness, 9);
     harness.key_press(Key::B);
     harness.run_steps(2);
     harness.state_mut().paint.brush.strength = 1.0;
@@ -417,7 +440,7 @@ fn several_breaks_colours_and_a_photograph_look_as_they_did() {
     check(&mut harness, &state, "several");
     let folder = Folder::new();
     let mut harness = window(&folder, None, &state);
-    from_above(&mut harness);
+    from_above(&mut harness, 7);
     harness.key_press(Key::C);
     harness.key_press(Key::C);
     check(&mut harness, &state, "colours");

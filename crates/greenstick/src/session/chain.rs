@@ -3,7 +3,7 @@
 
 use super::progress::{CUT, HEIGHTS, LAYOUT, STEM};
 use crate::Error;
-use crate::request::{Break, BreakRequest, BreakStage};
+use crate::request::{Break, BreakStage};
 use greenstick_fracture::cut::CutWorkspace;
 use greenstick_fracture::heights::{HeightCache, HeightSource};
 use greenstick_fracture::parameters::BreakParameters;
@@ -103,22 +103,6 @@ pub(super) struct ChainInput<'a> {
     /// The stem before any break, if there are others, and the break's index in the request.
     pub whole: Option<WholeStem>,
     pub number: usize,
-}
-
-impl<'a> ChainInput<'a> {
-    /// The scene of the session's input.
-    pub fn whole(scene: &'a Scene, request: &'a BreakRequest) -> Self {
-        ChainInput {
-            scene,
-            id: 0,
-            stem: &request.stem,
-            rings: &request.rings,
-            neighbours: Neighbours::default(),
-            inner_wood_before: 0,
-            whole: None,
-            number: 0,
-        }
-    }
 }
 
 /// The stem of a break.

@@ -29,7 +29,7 @@ use greenstick_skin::stages::PlacesError;
 pub use greenstick_skin::stages::{
     BreakStages, Cracks, CutStage, HeightStage, SpeciesRelief, StemStage,
 };
-use greenstick_skin::stages::{Ids, Slot};
+use greenstick_skin::stages::{Ids, Neighbours, Slot};
 use order::BreakOrder;
 use progress::{CUT, FINISH, STEM, TEXTURES};
 use std::sync::Arc;
@@ -166,9 +166,19 @@ impl BreakSession {
         context: &Context,
     ) -> Result<ChainStem, Error> {
         let requested = only(request)?;
-        self.begin(request);
+        self.changes = Changes::default();
+        self.breaks.resize_with(1, CachedBreak::default);
         let input = self.input.clone();
-        let input = ChainInput::whole(&input.scene, request);
+        let input = ChainInput {
+            scene: &input.scene,
+            id: 0,
+            stem: &request.stem,
+            rings: &request.rings,
+            neighbours: Neighbours::default(),
+            inner_wood_before: 0,
+            whole: None,
+            number: 0,
+        };
         let chain = &mut self.breaks[0].chain;
         chain.stem_only(&input, requested, &mut self.ids, &mut self.changes, context)
     }
@@ -196,24 +206,23 @@ impl BreakSession {
         request: &BreakRequest,
         context: &Context,
     ) -> Result<BreakStages, Error> {
-        let requested = only(request)?;
-        if requested.triangles.is_some() {
-            let pieces = self.pieces(request, context)?.pop();
-            return Ok(pieces.ok_or(PlacesError::None)?.stages);
-        }
-        self.begin(request);
-        let input = self.input.clone();
-        let input = ChainInput::whole(&input.scene, request);
-        let chain = &mut self.breaks[0].chain;
-        let cut = chain.update(&input, requested, &mut self.ids, &mut self.changes, context)?;
-        Ok(cut.stages)
+        only(request)?;
+        self.stages_of(request, 0, context)
     }
 
-    /// Prepares for a request: one cached break for each of its breaks.
-    fn begin(&mut self, request: &BreakRequest) {
-        self.changes = Changes::default();
-        self.breaks
-            .resize_with(request.breaks.len(), CachedBreak::default);
+    /// The same of the break with an index among several. Breaks farther from the base are finished, those nearer to it not begun.
+    ///
+    /// # Errors
+    /// As [`BreakSession::stages`].
+    pub fn stages_of(
+        &mut self,
+        request: &BreakRequest,
+        number: usize,
+        context: &Context,
+    ) -> Result<BreakStages, Error> {
+        let (made, cut) = self.made(request, Some(number), context)?;
+        let found = made.into_iter().find(|m| m.number == number);
+        Ok((cut.or(found.map(|m| m.stages))).ok_or(PlacesError::None)?)
     }
 
     /// Returns the pieces of the request's breaks as separate meshes, from the break farthest from the base to the nearest.
@@ -226,6 +235,16 @@ impl BreakSession {
         request: &BreakRequest,
         context: &Context,
     ) -> Result<Vec<BreakPieces>, Error> {
+        Ok(self.made(request, None, context)?.0)
+    }
+
+    /// As [`BreakSession::pieces`], as far as the break `until`, of which only the stages are made if its triangles need not be counted.
+    fn made(
+        &mut self,
+        request: &BreakRequest,
+        until: Option<usize>,
+        context: &Context,
+    ) -> Result<(Vec<BreakPieces>, Option<BreakStages>), Error> {
         self.changes = Changes::default();
         let input = self.input.clone();
         let asked_for = request.breaks.len() as f64;
@@ -251,6 +270,11 @@ impl BreakSession {
                 scene,
             };
             let (ids, changes) = (&mut self.ids, &mut self.changes);
+            let most = placed.requested.triangles;
+            if until == Some(placed.number) && most.is_none() {
+                let cut = (one.chain).update(&input, &placed.requested, ids, changes, &cutting)?;
+                return Ok((finished, Some(cut.stages)));
+            }
             let asked = &placed.requested.recipe.face;
             let make = |face: &BreakParameters| {
                 let mut requested = placed.requested.clone();
@@ -270,7 +294,6 @@ impl BreakSession {
                 })?;
                 Ok::<_, Error>((stages, pieces, requested))
             };
-            let most = placed.requested.triangles;
             let made = within_budget(most, asked, make, |m| added_triangles(&m.0, &m.1.value));
             let has_others = at + 1 < count || !finished.is_empty();
             let (stages, pieces, requested) = match made {
@@ -299,7 +322,7 @@ impl BreakSession {
                 pieces: pieces.value,
             });
         }
-        Ok(finished)
+        Ok((finished, None))
     }
 
     /// Returns the broken scene with its materials and textures, as files hold it.

@@ -1,0 +1,272 @@
+//! A hand that pulls on the wood: where along a stem it can take hold, how far it can pull, and what that is in a scene.
+//!
+//! A hand is a short clamp with two key frames. Pulled across, it holds the wood across the stem alone and slides along it: held
+//! along as well, a bent stem would be stretched or crushed between the hand and what holds it. At a free end it is turned as the
+//! end of a cantilever turns under a force there: by one and a half times the deflection over the length (Timoshenko and Goodier,
+//! *Theory of Elasticity*, § 21).
+
+use super::holds::{Hold, HoldPart};
+#[cfg(not(target_arch = "wasm32"))]
+use greenstick::fibre::scene::{
+    ClampKeys, HeldAxes, KeyFrame, Scene as Setting, SolverChoice, StemChoice,
+};
+
+/// Half of the length of a hand, as a part of the stem: with less, a scene's longest edges may leave it without a vertex.
+const HALF: f64 = 0.03;
+/// Least length of free wood between a hand and a clamp, as a part of the stem.
+const LEAST_LEVER: f64 = 0.1;
+/// How far a hand pulls across, as a part of the wood between it and what holds the stem: farther, that wood would not reach.
+const FARTHEST: f64 = 0.8;
+/// How far it pulls along, as a part of the same wood: wood tears at a strain of one or two hundredths.
+const FARTHEST_ALONG: f64 = 0.2;
+/// The end of a cantilever turns by this, times its deflection over its length.
+const CANTILEVER: f64 = 1.5;
+/// Greatest angle by which a hand turns, rad.
+const GREATEST_TURN: f64 = std::f64::consts::FRAC_PI_2;
+/// Pulls less than this part of the stem's length are none: a click, or a hand that trembled.
+pub const LEAST_PULL: f64 = 0.01;
+
+/// The scene of wood that is pulled on by hand: a stem that is held at its base.
+pub const BY_HAND: &str = r#"
+about = "a stem that is held at its base is pulled on by hand"
+duration = 1.0
+frames_per_second = 25.0
+for_length = "40 cm"
+solver = "interactive"
+
+[stem]
+kind = "branch"
+length = "40 cm"
+diameter = "2 cm"
+
+[failure]
+every = 8
+
+[rods]
+number = 40
+edge = ["10 mm", "14 mm"]
+weibull = 12.0
+
+[loads]
+damping = 5.0
+
+[[clamp]]
+to = 0.08
+"#;
+
+/// A place along the stem where a hand takes hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Grip {
+    /// Where it is, as a fraction of the stem.
+    pub at: f64,
+    /// The end of the wood that is held, on the side from which the hand bends it; none where no clamp holds any.
+    pub root: Option<f64>,
+    /// Whether the stem is free beyond the hand.
+    pub is_free: bool,
+}
+
+impl Grip {
+    /// The wood between the hand and what holds the stem, as a part of the stem.
+    fn lever(&self) -> f64 {
+        self.root.map_or(0.5, |root| (self.at - root).abs())
+    }
+
+    /// How far the hand pulls where it is dragged this far, in parts of the stem's length along the axes of the scene: along the stem or
+    /// across it, whichever is more, and no farther than wood reaches.
+    pub fn pull(&self, dragged: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = dragged;
+        let across = y.hypot(z);
+        if x.abs() > across {
+            let most = FARTHEST_ALONG * self.lever();
+            return [round(x.clamp(-most, most)), 0.0, 0.0];
+        }
+        let most = FARTHEST * self.lever();
+        let factor = if across > most { most / across } else { 1.0 };
+        [0.0, round(y * factor), round(z * factor)]
+    }
+
+    /// How far the hand turns with a pull: a rotation vector along the axes of the scene, rad.
+    pub fn turn(&self, [_, y, z]: [f64; 3]) -> [f64; 3] {
+        let (Some(root), true) = (self.root, self.is_free) else {
+            return [0.0; 3];
+        };
+        let across = y.hypot(z);
+        if across == 0.0 {
+            return [0.0; 3];
+        }
+        let angle = (CANTILEVER * across / self.lever()).min(GREATEST_TURN);
+        let angle = angle * (self.at - root).signum();
+        // x × (0, y, z), of unit length.
+        [0.0, -z / across * angle, y / across * angle]
+    }
+
+    /// How far along the way of the hand the wood at `at` goes, as a cantilever's does; none beyond the wood that is bent.
+    pub fn share(&self, at: f64) -> Option<f64> {
+        let root = self.root?;
+        let s = (at - root) / (self.at - root);
+        (0.0..=1.0).contains(&s).then_some(0.5 * s * s * (3.0 - s))
+    }
+}
+
+/// Nobody drags more exactly than to this part of the stem's length.
+fn round(x: f64) -> f64 {
+    // −0 becomes 0.
+    (x * 1e4).round() / 1e4 + 0.0
+}
+
+/// Where a hand takes hold near a fraction of a stem that clamps hold from one fraction to another.
+///
+/// # Errors
+/// Why it cannot, and what to do.
+fn grip(clamps: &[[f64; 2]], at: f64) -> Result<Grip, String> {
+    let at = (at.clamp(HALF, 1.0 - HALF) * 1e3).round() / 1e3;
+    let lever = |c: &[f64; 2]| (c[0] - at).max(at - c[1]);
+    if clamps.iter().any(|c| lever(c) < LEAST_LEVER) {
+        return Err("The wood is held here: take hold of it farther from the clamp.".to_owned());
+    }
+    let below = clamps.iter().map(|c| c[1]).filter(|to| *to < at);
+    let below = below.max_by(f64::total_cmp);
+    let above = clamps.iter().map(|c| c[0]).filter(|from| *from > at);
+    let above = above.min_by(f64::total_cmp);
+    let root = match (below, above) {
+        (Some(b), Some(a)) if a - at < at - b => Some(a),
+        (below, above) => below.or(above),
+    };
+    let is_free = below.is_some() != above.is_some();
+    Ok(Grip { at, root, is_free })
+}
+
+/// Where a hand takes hold near a fraction of a stem with these holds.
+///
+/// # Errors
+/// Why it cannot, and what to do.
+pub fn grip_at(holds: &[Hold], at: f64) -> Result<Grip, String> {
+    let end = |part| holds.iter().find(|h| h.part == part).map(|h| h.at);
+    let range = |h: &Hold| match h.part {
+        HoldPart::ClampFrom(i) => Some([h.at, end(HoldPart::ClampTo(i))?]),
+        _ => None,
+    };
+    let clamps: Vec<[f64; 2]> = holds.iter().filter_map(range).collect();
+    grip(&clamps, at)
+}
+
+/// Whether a hand can pull on the wood of a scene.
+///
+/// # Errors
+/// Why it cannot, and what to do.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn can_pull(setting: &Setting) -> Result<(), String> {
+    let instead = "Choose another scene, or Pull on the wood in the File menu with a mesh open.";
+    if setting.clamp.iter().any(|c| c.arc) {
+        return Err(format!(
+            "Both ends of this scene are turned on an arc, which leaves no wood for a hand to pull on. {instead}"
+        ));
+    }
+    if setting.solver == SolverChoice::Explicit {
+        return Err(format!(
+            "This scene lasts {} s, too short for a hand. {instead}",
+            setting.duration
+        ));
+    }
+    if setting.for_length.is_none() && setting.stem.kind == StemChoice::Input {
+        return Err(
+            "The lengths of this scene are for no stem in particular: set for_length in its file."
+                .to_owned(),
+        );
+    }
+    Ok(())
+}
+
+/// Adds a hand to a scene, which takes hold at `at` and pulls by `by` parts of the stem's length. A scene by hand that nobody
+/// pulls in has one frame.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn add_hand(setting: &mut Setting, at: f64, by: [f64; 3]) {
+    let clamps: Vec<[f64; 2]> = setting.clamp.iter().map(|c| [c.from, c.to]).collect();
+    let Ok(grip) = grip(&clamps, at) else {
+        return;
+    };
+    let stem = &setting.stem;
+    let own = stem.length * (stem.part[1] - stem.part[0]);
+    let length = setting.for_length.unwrap_or(own);
+    let along = by[0] != 0.0;
+    let end = KeyFrame {
+        time: setting.duration,
+        // Micrometres.
+        move_by: by.map(|x| (x * length * 1e6).round() / 1e6),
+        turn: grip.turn(by).map(|x| round(x.to_degrees())),
+    };
+    setting.clamp.push(ClampKeys {
+        from: round(grip.at - HALF),
+        to: round(grip.at + HALF),
+        axes: HeldAxes([along, true, true]),
+        key: vec![KeyFrame::default(), end],
+        ..ClampKeys::default()
+    });
+}
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests {
+    use super::*;
+    use greenstick::fibre::scene::BUILT_IN;
+
+    #[test]
+    fn a_hand_takes_hold_of_free_wood_only() {
+        let base = [[0.0, 0.08]];
+        let tip = grip(&base, 0.9).unwrap();
+        assert_eq!((tip.root, tip.is_free), (Some(0.08), true));
+        assert!(grip(&base, 0.15).is_err() && grip(&base, 0.03).is_err());
+        // The whole hand is on the stem.
+        assert_eq!(grip(&base, 1.2).unwrap().at, 0.97);
+        let both = [[0.0, 0.06], [0.94, 1.0]];
+        let middle = grip(&both, 0.6).unwrap();
+        assert_eq!((middle.root, middle.is_free), (Some(0.94), false));
+        assert_eq!(middle.turn([0.0, 0.1, 0.0]), [0.0; 3]);
+        assert_eq!(grip(&[], 0.5).unwrap().root, None);
+    }
+
+    #[test]
+    fn a_pull_goes_across_or_along_and_no_farther_than_wood_reaches() {
+        let grip = grip(&[[0.0, 0.1]], 0.9).unwrap();
+        assert_eq!(grip.pull([0.05, 0.1, -0.1]), [0.0, 0.1, -0.1]);
+        assert_eq!(grip.pull([-0.09, 0.01, 0.01]), [-0.09, 0.0, 0.0]);
+        let [x, y, z] = grip.pull([0.0, 3.0, 4.0]);
+        assert!(x == 0.0 && (y.hypot(z) - 0.64).abs() < 1e-3 && (y / z - 0.75).abs() < 1e-3);
+        assert_eq!(grip.pull([9.0, 0.0, 0.0]), [0.16, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_free_end_turns_towards_where_it_is_pulled_as_that_of_a_cantilever() {
+        // Down by 0.2 of the stem with a lever of 0.8: 1.5 × 0.25 rad about y, which takes x to −z.
+        let tip = grip(&[[0.0, 0.1]], 0.9).unwrap();
+        let turn = tip.turn([0.0, 0.0, -0.2]);
+        assert!((turn[1] - 0.375).abs() < 1e-12 && turn[0] == 0.0 && turn[2] == 0.0);
+        // Held at the tip, the base turns the other way.
+        let base = grip(&[[0.9, 1.0]], 0.1).unwrap();
+        assert!((base.turn([0.0, 0.0, -0.2])[1] + 0.375).abs() < 1e-12);
+        // The slope of the curve that is drawn is the same.
+        let slope = (tip.share(0.9).unwrap() - tip.share(0.8999).unwrap()) / 0.0001;
+        assert!((slope * 0.2 - 0.375).abs() < 1e-3);
+        assert_eq!((tip.share(0.1), tip.share(0.95)), (Some(0.0), None));
+    }
+
+    #[test]
+    fn every_scene_takes_a_hand_or_says_why_not() {
+        let by_hand = Setting::read(BY_HAND).unwrap();
+        can_pull(&by_hand).unwrap();
+        for built_in in BUILT_IN {
+            let mut setting = built_in.scene().unwrap();
+            let clamps: Vec<[f64; 2]> = setting.clamp.iter().map(|c| [c.from, c.to]).collect();
+            match can_pull(&setting) {
+                Ok(()) => {
+                    let at = [0.5, 0.8].into_iter().find(|at| grip(&clamps, *at).is_ok());
+                    add_hand(&mut setting, at.unwrap(), [0.0, 0.0, -0.1]);
+                    setting.check().unwrap();
+                    assert_eq!(setting.clamp.len(), clamps.len() + 1, "{}", built_in.name);
+                    let text = greenstick::schema::write_toml(&setting);
+                    assert_eq!(Setting::read(&text).unwrap(), setting, "{}", built_in.name);
+                }
+                Err(problem) => assert!(problem.ends_with("open."), "{problem}"),
+            }
+        }
+    }
+}

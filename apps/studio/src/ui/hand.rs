@@ -1,0 +1,267 @@
+//! Pulling on the wood of a simulation: a drag over it, at its first frame, is a hand that takes hold there and pulls.
+
+use super::colours::ACCENT;
+use super::holds::along;
+use super::simulation_view::{Grabbed, SimulationView};
+use super::studio::Studio;
+use crate::model::engine::Failure;
+use crate::model::hand::{Grip, LEAST_PULL, grip_at};
+use crate::model::holds::{Hold, HoldPart};
+use crate::model::input::InputContent;
+use crate::model::simulation::Source;
+use crate::view::pick::pick;
+use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, Ui};
+use glam::Vec3;
+
+/// What a drag for the hand is called among the steps.
+const STEP: &str = "pull";
+/// A drag is along the stem where the cosine of the angle between them in the picture is greater: 20°.
+const ALONG: f32 = 0.94;
+/// By which part of the stem's length its direction in the picture is measured, and the points of the window that this must be: one
+/// who looks along the stem cannot drag along it.
+const BESIDE: f32 = 0.1;
+const SEEN: f32 = 12.0;
+/// Points of the curve that shows how the wood bends.
+const CURVE: u16 = 24;
+
+/// A displacement in the axes of a scene as it is drawn: its z is up, and of the picture y.
+fn drawn([x, y, z]: [f64; 3]) -> Vec3 {
+    glam::DVec3::new(x, z, -y).as_vec3()
+}
+
+/// A displacement of the picture in the axes of the scene.
+fn of_scene(drawn: Vec3) -> [f64; 3] {
+    let [x, y, z] = drawn.as_dvec3().to_array();
+    [x, -z, y]
+}
+
+impl SimulationView {
+    /// The length of the stem as it is drawn, m.
+    fn stem_length(&self) -> f32 {
+        self.axis.windows(2).map(|p| p[0].distance(p[1])).sum()
+    }
+
+    fn hand(&self) -> Option<&Hold> {
+        self.holds.iter().find(|h| h.part == HoldPart::Hand)
+    }
+
+    /// Where the hand has pulled to, in the picture.
+    pub(super) fn hand_end(&self) -> Option<Vec3> {
+        let hand = self.hand()?;
+        Some(along(&self.axis, hand.at)? + drawn(hand.by) * self.stem_length())
+    }
+}
+
+impl Studio {
+    /// Begins to pull on the stem at hand, or switches pulling on and off in the simulation that is looked at.
+    pub(super) fn toggle_pulling(&mut self) {
+        let Some(simulation) = &mut self.simulation else {
+            return self.begin_pulling();
+        };
+        if let (Err(problem), false) = (&simulation.can_pull, simulation.pulls) {
+            let failure = Failure::new(problem);
+            return self.fail(&failure);
+        }
+        simulation.pulls ^= true;
+        self.say_how_to_pull();
+    }
+
+    fn begin_pulling(&mut self) {
+        let problem = match &*self.project.input.content {
+            _ if self.platform.scenes().is_empty() => {
+                "Nothing can be pulled on here: a page has one thread for its work, and simulates nothing. The program does."
+            }
+            InputContent::Cloud(_) => {
+                "A scan has no bark yet that could be pulled on. Export its bark as a mesh, and open that."
+            }
+            _ => "",
+        };
+        if !problem.is_empty() {
+            return self.fail(&Failure::new(problem));
+        }
+        self.begin_simulation(Source::ByHand, true);
+        self.say_how_to_pull();
+    }
+
+    pub(super) fn say_how_to_pull(&mut self) {
+        let pulls = self.simulation.as_ref().is_some_and(|s| s.pulls);
+        self.said = match pulls {
+            true => "Drag the wood to pull on it; beside it a drag turns the picture.".to_owned(),
+            false => String::new(),
+        };
+    }
+
+    /// Whether a press at a point of the window is one on wood that is to be pulled.
+    fn is_on_pulled_wood(&self, rect: Rect, pos: Pos2) -> bool {
+        let simulation = self.simulation.as_ref().filter(|s| s.pulls);
+        let drawn = simulation.and_then(|s| s.drawn.as_ref());
+        drawn.is_some_and(|d| pick(&d.1, self.ray_at(rect, pos), None).is_some())
+    }
+
+    /// Takes hold of the wood under the pointer, where that is asked for. A drag that cannot pull does nothing else either.
+    pub(super) fn take_hold(&mut self, rect: Rect, pos: Pos2) -> Option<Grabbed> {
+        if !self.is_on_pulled_wood(rect, pos) {
+            return None;
+        }
+        let simulation = self.simulation.as_mut()?;
+        if simulation.shown.is_none_or(|s| s.0 != 0) {
+            self.said = "This is the first frame again: drag the wood to pull on it.".to_owned();
+            simulation.playback.go(0, simulation.frames());
+            return Some(Grabbed::Nothing);
+        }
+        let at = self.fraction_at(rect, pos)?;
+        let simulation = self.simulation.as_mut()?;
+        match grip_at(&simulation.holds, at) {
+            Err(problem) => {
+                self.said = problem;
+                Some(Grabbed::Nothing)
+            }
+            Ok(grip) => {
+                let SimulationView { history, holds, .. } = simulation;
+                history.note(STEP, holds, true);
+                holds.retain(|h| h.part != HoldPart::Hand);
+                holds.push(Hold {
+                    part: HoldPart::Hand,
+                    name: "hand".to_owned(),
+                    at: grip.at,
+                    by: [0.0; 3],
+                });
+                Some(Grabbed::Part(HoldPart::Hand))
+            }
+        }
+    }
+
+    /// Drags the hand to a point of the window: along the stem where the drag goes along it in the picture, else in the plane through
+    /// where it took hold that faces the camera.
+    pub(super) fn drag_hand(&mut self, rect: Rect, pos: Pos2) {
+        let (origin, direction) = self.ray_at(rect, pos);
+        let facing = self.camera.backward();
+        let along_stem = self.is_along_stem(rect, pos);
+        let Some(simulation) = &mut self.simulation else {
+            return;
+        };
+        let length = simulation.stem_length();
+        let Some(hand) = simulation.hand().cloned() else {
+            return;
+        };
+        let (Some(start), Ok(grip)) = (
+            along(&simulation.axis, hand.at),
+            grip_at(&simulation.holds, hand.at),
+        ) else {
+            return;
+        };
+        let way = if along_stem {
+            // The point of the line along the stem that is nearest to the ray.
+            let flat = Vec3::X - direction * direction.x;
+            Vec3::X * ((origin - start).dot(flat) / flat.x)
+        } else {
+            let depth = (start - origin).dot(facing) / direction.dot(facing);
+            let [_, y, z] = (origin + direction * depth - start).to_array();
+            Vec3::new(0.0, y, z)
+        };
+        if !way.is_finite() || length <= 0.0 {
+            return;
+        }
+        let by = grip.pull(of_scene(way / length));
+        if by != hand.by {
+            let SimulationView { history, holds, .. } = simulation;
+            history.note(STEP, holds, true);
+            let hand = holds.iter_mut().find(|h| h.part == HoldPart::Hand);
+            hand.into_iter().for_each(|h| h.by = by);
+        }
+    }
+
+    /// Whether the way from where the hand took hold to a point of the window goes along the stem, as it is seen.
+    fn is_along_stem(&self, rect: Rect, pos: Pos2) -> bool {
+        let ways = || {
+            let simulation = self.simulation.as_ref()?;
+            let hand = simulation.hand()?;
+            let start = along(&simulation.axis, hand.at)?;
+            let beside = start + Vec3::X * (BESIDE * simulation.stem_length());
+            let from = self.in_window(rect, start)?;
+            Some((pos - from, self.in_window(rect, beside)? - from))
+        };
+        ways().is_some_and(|(way, stem)| {
+            way.dot(stem).abs() > ALONG * way.length() * stem.length() && stem.length() > SEEN
+        })
+    }
+
+    /// The hand is let go: one that hardly moved is none.
+    pub(super) fn let_go_of_hand(&mut self) {
+        let Some(simulation) = &mut self.simulation else {
+            return;
+        };
+        let by = simulation.hand().map_or([0.0; 3], |h| h.by);
+        if glam::DVec3::from_array(by).length() < LEAST_PULL {
+            simulation.history.drop_step(&mut simulation.holds);
+            self.say_how_to_pull();
+        }
+    }
+
+    /// Draws the hand: where it took hold, where it pulls to, and how the wood would bend there if it did not break.
+    pub(super) fn paint_hand(&self, painter: &Painter, rect: Rect, simulation: &SimulationView) {
+        let Some(hand) = simulation.hand() else {
+            return;
+        };
+        let (Some(start), Some(end)) = (along(&simulation.axis, hand.at), simulation.hand_end())
+        else {
+            return;
+        };
+        let grip = grip_at(&simulation.holds, hand.at).ok();
+        if let Some(curve) = grip.and_then(|g| self.bent(rect, simulation, &g, end - start)) {
+            let shade = Color32::from_rgba_unmultiplied(ACCENT.r(), ACCENT.g(), ACCENT.b(), 110);
+            painter.line(curve, Stroke::new(3.0, shade));
+        }
+        if let (Some(from), Some(to)) = (self.in_window(rect, start), self.in_window(rect, end)) {
+            painter.circle_stroke(from, 4.0, Stroke::new(1.5, ACCENT));
+            painter.arrow(from, to - from, Stroke::new(2.0, ACCENT));
+        }
+    }
+
+    /// The axis of the wood as a cantilever's, with its end moved by `by`.
+    fn bent(
+        &self,
+        rect: Rect,
+        simulation: &SimulationView,
+        grip: &Grip,
+        by: Vec3,
+    ) -> Option<Vec<Pos2>> {
+        let root = grip.root?;
+        let points = (0..=CURVE).map(|k| {
+            let at = root + (grip.at - root) * f64::from(k) / f64::from(CURVE);
+            let place = along(&simulation.axis, at)?;
+            self.in_window(rect, place + by * grip.share(at)? as f32)
+        });
+        points.collect()
+    }
+
+    /// What the hand does, beside its dot.
+    pub(super) fn hand_text(&self, simulation: &SimulationView, hand: &Hold) -> String {
+        let way = glam::DVec3::from_array(hand.by).length() * f64::from(simulation.stem_length());
+        format!(
+            "hand, at {:.3}, pulls {}",
+            hand.at,
+            self.settings.unit.text(way)
+        )
+    }
+
+    /// The switch of pulling in the header.
+    pub(super) fn pull_switch(&mut self, ui: &mut Ui) {
+        let mut pulls = self.simulation.as_ref().is_some_and(|s| s.pulls);
+        let before = pulls;
+        ui.toggle_value(&mut pulls, "Pull")
+            .on_hover_text("A drag over the wood, at the first frame, pulls on it (L).");
+        if pulls != before {
+            self.toggle_pulling();
+        }
+    }
+
+    /// Shows that the wood under the pointer can be taken hold of.
+    pub(super) fn point_at_wood(&self, ui: &Ui, rect: Rect, response: &egui::Response) {
+        let still = ui.input(|i| !i.pointer.any_down());
+        let pos = response.hover_pos().filter(|_| still);
+        if pos.is_some_and(|pos| self.is_on_pulled_wood(rect, pos)) {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::Grab);
+        }
+    }
+}
