@@ -108,7 +108,7 @@ const FOLD_STEPS: f64 = 0.3;
 const CRUSHED_PARTS: f64 = 0.4;
 const CRUSHED_BUNDLES: f64 = 0.06;
 /// Heights of the ends of crushed bundles, in compression heights: of most, and of those that stand out.
-const CRUSHED_BLADE: (f64, f64) = (0.25, 1.1);
+const CRUSHED_BLADE: (f64, f64) = (0.2, 0.6);
 /// Part of a fold's width over which it rises: fibres lean over to one side and break off on the other.
 const FOLD_RISE: f64 = 0.72;
 /// Depth of the deepest clefts between slivers over the heights by which slabs and slivers differ.

@@ -27,11 +27,11 @@ use strand::StrandMesh;
 /// where wood was crushed and where it was torn.
 const HAIRS: f64 = 7.5e5;
 const SLIVERS: f64 = 1.6e5;
-const CRUSHED_STUBS: f64 = 1.2e7;
-const TORN_STUBS: f64 = 9e6;
+const CRUSHED_STUBS: f64 = 1.1e7;
+const TORN_STUBS: f64 = 5e6;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1: of hairs, and of each kind where pieces are apart.
 const MAX_SHARE: f64 = 0.6;
-const MAX_SHARES_APART: [f64; 3] = [0.2, 0.14, 0.28];
+const MAX_SHARES_APART: [f64; 3] = [0.2, 0.14, 0.3];
 /// Mean number of triangles of each kind of strand (of a sliver, of all its laths), by which they are thinned out where they would be
 /// too many.
 const MEAN_TRIANGLES: [f64; 3] = [12.5, 18.0, 6.5];

@@ -62,6 +62,7 @@ pub(super) const MODES: [Preset; 7] = [
             ("sliver_height", "0.05"),
             ("bundle_aspect", "2.5"),
             ("fibre_height", "0.01"),
+            ("fuzz", "0.8"),
             ("step_height", "0.08"),
             ("compression_shelf", "0"),
             ("bark_offset", "0.02"),

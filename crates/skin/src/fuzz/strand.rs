@@ -25,7 +25,7 @@ const SIDES: usize = 3;
 /// are thinner than a pixel: lit as solid bodies they would be dark lines.
 const ROUNDNESS: f64 = 0.45;
 /// How much of the direction of the grain the normal of a stub has beside its own.
-const UPRIGHT: f64 = 0.75;
+const UPRIGHT: f64 = 0.5;
 /// Depth of a strand's beginning within the wood, in thicknesses.
 const DEPTH: f64 = 1.2;
 
