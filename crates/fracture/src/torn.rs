@@ -84,8 +84,8 @@ struct LargeShape {
 
 /// Distances from the edge of the compression shelf, radii, between which crushed wood passes into torn wood, and by how much those
 /// of slivers and of bundles differ.
-const SHELF_EDGE: (f64, f64) = (-0.08, 0.26);
-const SHELF_SLIVERS: f64 = 0.16;
+const SHELF_EDGE: (f64, f64) = (-0.1, 0.4);
+const SHELF_SLIVERS: f64 = 0.24;
 const SHELF_BUNDLES: f64 = 0.12;
 /// By how much the borders of layers wander, and by how much those of slivers differ, radii.
 const LAYER_WANDER: f64 = 0.07;
@@ -107,6 +107,8 @@ const FOLD_STEPS: f64 = 0.3;
 /// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
 const CRUSHED_PARTS: f64 = 0.4;
 const CRUSHED_BUNDLES: f64 = 0.06;
+/// Heights of the ends of crushed bundles, in compression heights: of most, and of those that stand out.
+const CRUSHED_BLADE: (f64, f64) = (0.2, 0.6);
 /// Part of a fold's width over which it rises: fibres lean over to one side and break off on the other.
 const FOLD_RISE: f64 = 0.72;
 /// Depth of the deepest clefts between slivers over the heights by which slabs and slivers differ.
@@ -341,6 +343,10 @@ impl<'a> TornRelief<'a> {
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
         let crushed = p.compression_height
             * (CRUSHED_PARTS * heavy(drop) + CRUSHED_BUNDLES * heavy(end.crushed_random[0]));
+        // Either half keeps the fibres of a bundle.
+        let [sharp, side, _] = end.crushed_random;
+        let crushed_blade = ((1.0 - torn) * p.compression_height)
+            * (CRUSHED_BLADE.0 + CRUSHED_BLADE.1 * sharp * sharp).copysign(side - 0.5);
         let slant = slab.slant * (torn * relief * p.slab_height);
         let torn_height = relief * p.slab_height * slab_height
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)
@@ -375,7 +381,7 @@ impl<'a> TornRelief<'a> {
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
             folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
             noisy: CRUSHED_NOISE + (1.0 - CRUSHED_NOISE) * torn,
-            blade: up * blade.min(3.0 * MAX_SLENDERNESS * width) + shard.blade,
+            blade: up * blade.min(3.0 * MAX_SLENDERNESS * width) + shard.blade + crushed_blade,
             bark: false,
         }
     }

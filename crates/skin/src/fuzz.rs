@@ -1,10 +1,13 @@
-//! Fuzz: strands of torn fibre that stand out of a broken face, along the sides of its splinters and on their edges.
+//! Fuzz: what torn fibres stand out of a broken face, along the sides of its splinters, on their edges and at their ends.
 //!
-//! Torn wood carries bundles of fibres 0.1 to 0.5 mm wide and 2 to 20 mm long, densely where it was torn and hardly where it was
-//! crushed or broke brash (Hoadley, *Understanding Wood*). They are too thin for the cells of a face. Each is a closed
-//! three-sided blade of the wood that it is peeled off: it begins within that wood, lies along the grain, and lifts towards its
-//! free end. Together they are a mesh of their own beside the piece, so that the piece stays one closed solid.
+//! Torn wood carries bundles of fibres 0.1 to 0.5 mm wide and 2 to 20 mm long, densely where it was torn (Hoadley, *Understanding
+//! Wood*), slivers that came half off their splinters, and short, leaning ends of bundles where it was crushed or broke across. They
+//! are too thin for the cells of a face. Each is a closed three-sided blade of the wood that it is peeled off: it begins within that
+//! wood, lies along the grain, and lifts towards its free end. Together they are a mesh of their own beside the piece, so that the
+//! piece stays one closed solid.
 
+mod draw;
+mod face;
 mod hinge;
 mod options;
 mod strand;
@@ -12,312 +15,193 @@ mod strand;
 pub use hinge::HingeOptions;
 pub use options::FuzzOptions;
 
-use glam::{DVec2, DVec3, Vec3};
+use draw::{Draw, PURPOSE, TUFT, size};
+use face::{TornFace, slope};
+use glam::DVec3;
 use greenstick_geometry::Mesh;
 use greenstick_wood::noise::{gradient_3d, smoothstep, unit};
-use greenstick_wood::stem::Stem;
 use greenstick_wood::tissue::Zone;
-use strand::{Root, Strand, StrandMesh};
+use strand::StrandMesh;
 
-/// Strands on each square metre of torn side grain with a fuzz of 1, on wood of the reference radius.
-const DENSITY: f64 = 7.5e5;
-/// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1.
+/// Strands on each square metre with a fuzz of 1, on wood of the reference radius: hairs and slivers on torn side grain, and stubs
+/// where wood was crushed and where it was torn.
+const HAIRS: f64 = 7.5e5;
+const SLIVERS: f64 = 1.6e5;
+const CRUSHED_STUBS: f64 = 1.1e7;
+const TORN_STUBS: f64 = 5e6;
+/// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1: of hairs, and of each kind where pieces are apart.
 const MAX_SHARE: f64 = 0.6;
-/// Mean number of triangles of a strand, by which strands are thinned out where they would be too many.
-const MEAN_TRIANGLES: f64 = 12.5;
-/// Radius of the stem that lengths and widths are those of, m. On thicker ones strands are wider, and farther apart by as much: a
-/// picture of all of a log cannot show single fibres.
-const REFERENCE_RADIUS: f64 = 0.02;
-/// Range of the factor on lengths and widths.
-const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
+const MAX_SHARES_APART: [f64; 3] = [0.2, 0.14, 0.3];
+/// Mean number of triangles of each kind of strand (of a sliver, of all its laths), by which they are thinned out where they would be
+/// too many.
+const MEAN_TRIANGLES: [f64; 3] = [12.5, 18.0, 6.5];
 /// Heights of a wall of the face between which it counts as torn, m: lower ones are the steps of crushed and of brash wood.
 const TORN_HEIGHT: (f64, f64) = (0.8e-3, 3.5e-3);
-/// Least square of the slope of the length along a face that is side grain.
+/// Heights of a wall between which it has slivers: those peel off the sides of slabs and of long splinters.
+const PEELED_HEIGHT: (f64, f64) = (2.5e-3, 9e-3);
+/// Least square of the slope of the length along a face that is side grain, and the greatest of one that is an end.
 const SIDE_GRAIN: f64 = 0.6;
-/// Size of tufts across and along the grain, m.
-const TUFT: (f64, f64) = (2.2e-3, 9e-3);
+const END_GRAIN: f64 = 0.85;
+/// Size of the places where ends are few, so that the wood below them shows, m.
+const BARE: f64 = 3.5e-3;
+/// Number of the outermost tissue that slivers peel off and that breaks across in ends.
+const SAPWOOD: usize = 2;
 /// Density on pith, heartwood, sapwood, phloem and bark.
 const DENSITY_OF_ZONES: [f64; 5] = [0.3, 0.9, 1.0, 1.2, 0.06];
-/// Ring coordinate beyond which no strand of a piece reaches: the halves of a break lie in each other before they are opened.
-const OUTER_RING: f64 = 0.975;
-/// In the hash: what random numbers are drawn for.
-const PURPOSE: u64 = 0xf022;
 
-/// A triangle of side grain.
-struct Wall {
+/// A triangle that carries strands.
+struct Ground {
     triangle: usize,
-    /// Expected number of strands.
-    strands: f64,
+    /// Expected numbers of hairs, slivers and stubs.
+    strands: [f64; 3],
+    /// How crushed the wood is, 0 to 1.
+    crushed: f64,
 }
 
 /// Makes the fuzz of a piece, which has the attributes of a broken face. It is empty where the face is not torn.
 /// With a `hinge`, it has the fibres of that, too.
 pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -> Mesh {
-    let mut walls = walls(piece, options);
-    let wanted: f64 = walls.iter().map(|wall| wall.strands).sum();
-    let on_face = |&t: &usize| piece.material(t) == options.material;
-    let face = (0..piece.triangles.len()).filter(on_face).count();
-    let share = (MAX_SHARE * options.amount * face as f64) as usize;
-    let most = share.min(options.most_triangles);
-    let expected = wanted * MEAN_TRIANGLES;
-    if expected > most as f64 {
-        let part = most as f64 / expected;
-        walls.iter_mut().for_each(|wall| wall.strands *= part);
-    }
     let mut made = StrandMesh::new(options);
     if let Some(hinge) = hinge {
         hinge.add(&mut made, options.most_triangles);
     }
-    let most = (most + made.triangles()).min(options.most_triangles);
     let Some(face) = TornFace::of(piece) else {
         return made.finish();
     };
-    for wall in &walls {
-        let random = |k: i64| unit(options.seed ^ PURPOSE, wall.triangle as i64, -1, k);
-        let here = (wall.strands + random(0)) as usize;
-        // Most walls have none.
-        if here == 0 {
-            continue;
+    let mut ground = ground(piece, &face, options);
+    let on_face = |&t: &usize| piece.material(t) == options.material;
+    let of_face = (0..piece.triangles.len()).filter(on_face).count();
+    let shares = if options.apart {
+        MAX_SHARES_APART
+    } else {
+        [MAX_SHARE, 0.0, 0.0]
+    };
+    let mut most = 0.0;
+    for (k, share) in shares.into_iter().enumerate() {
+        let expected = ground.iter().map(|g| g.strands[k]).sum::<f64>() * MEAN_TRIANGLES[k];
+        let room = share * options.amount * of_face as f64;
+        most += room;
+        if expected > room {
+            let part = room / expected;
+            ground.iter_mut().for_each(|g| g.strands[k] *= part);
         }
-        let Some(frame) = face.frame(wall.triangle) else {
-            continue;
-        };
-        for number in 0..here {
-            let strand = strand_on(&frame, (wall.triangle, number), options);
-            if let Some(strand) = strand.filter(|s| made.triangles() + s.triangles() <= most) {
-                made.add(&strand);
-            }
-        }
+    }
+    let most = (most as usize + made.triangles()).min(options.most_triangles);
+    for on in &ground {
+        let random = |k: usize| unit(options.seed ^ PURPOSE, on.triangle as i64, -1, k as i64);
+        let counts = [0, 1, 2].map(|k| (on.strands[k] + random(k)) as usize);
+        add_strands(&mut made, &face, on, counts, most);
     }
     made.finish()
 }
 
-/// The values at the corners of a triangle, and the directions of the grain there.
-struct Frame {
-    corners: [DVec3; 3],
-    /// Grain coordinates of the corners, m.
-    grain: [DVec3; 3],
-    /// Unit directions in the piece: beside the grain in the face, out of the face, along the grain.
-    directions: [DVec3; 3],
-    /// The first two in the section.
-    across: [DVec2; 2],
-    /// How far the face leans: the way in the section, m, of a unit of the piece's coordinates along the last direction.
-    lean: DVec2,
-    /// Tissue.
-    zone: usize,
-    /// Sector.
-    sector: f32,
-}
-
-/// A piece with the attributes of a broken face.
-struct TornFace<'a> {
-    piece: &'a Mesh,
-    grain: &'a [[f32; 3]],
-    zones: &'a [f32],
-    sectors: &'a [f32],
-}
-
-impl<'a> TornFace<'a> {
-    /// The face of a piece; none where it lacks one of these attributes.
-    fn of(piece: &'a Mesh) -> Option<Self> {
-        let values = |name: &str, width: usize| {
-            let attribute = piece.attributes.get(name).filter(|a| a.width == width);
-            attribute.map(|a| a.data.as_slice())
-        };
-        Some(TornFace {
-            piece,
-            grain: values("_GRAIN", 3)?.as_chunks().0,
-            zones: values("_ZONE", 1)?,
-            sectors: values("_SECTOR", 1)?,
-        })
-    }
-
-    /// Grain coordinates of the corners of a triangle, m.
-    fn grain(&self, t: usize) -> [DVec3; 3] {
-        let at = |v: u32| Vec3::from_array(self.grain[v as usize]).as_dvec3();
-        self.piece.triangles[t].map(at)
-    }
-
-    /// Tissue of a triangle.
-    fn zone(&self, t: usize) -> usize {
-        self.zones[self.piece.triangles[t][0] as usize] as usize
-    }
-
-    /// The frame of a triangle; none where it has no area.
-    fn frame(&self, t: usize) -> Option<Frame> {
-        let (corners, grain) = (self.piece.corners(t), self.grain(t));
-        let (e, f) = (corners[1] - corners[0], corners[2] - corners[0]);
-        let normal = e.cross(f);
-        let square = normal.length_squared();
-        let (ge, gf) = (grain[1] - grain[0], grain[2] - grain[0]);
-        let across = ge.cross(gf).truncate();
-        let (rise, _) = slope([e, f], [ge, gf])?;
-        let out = across.normalize();
-        let along = rise.normalize_or_zero();
-        let lean =
-            ge * (along.dot(f.cross(normal)) / square) + gf * (along.dot(normal.cross(e)) / square);
-        let normal = normal / square.sqrt();
-        Some(Frame {
-            corners,
-            grain,
-            directions: [normal.cross(along), normal, along],
-            across: [-out.perp(), out],
-            lean: lean.truncate(),
-            zone: self.zone(t),
-            sector: self.sectors[self.piece.triangles[t][0] as usize],
-        })
-    }
-}
-
-/// Returns the gradient of the length in the piece, and the square of its slope along the face, by two edges of a triangle and the
-/// same edges in grain coordinates; none where it has no area.
-fn slope([e, f]: [DVec3; 2], [ge, gf]: [DVec3; 2]) -> Option<(DVec3, f64)> {
-    let normal = e.cross(f);
-    let square = normal.length_squared();
-    if square <= 0.0 || ge.cross(gf).truncate() == DVec2::ZERO {
-        return None;
-    }
-    // By the dual basis of the edges.
-    let rise = f.cross(normal) * (ge.z / square) + normal.cross(e) * (gf.z / square);
-    let scale = |grain: DVec3, edge: DVec3| grain.length_squared() / edge.length_squared();
-    Some((rise, rise.length_squared() / scale(ge, e).max(scale(gf, f))))
-}
-
-/// Finds the torn walls of a piece, with the number of strands that each should have.
-fn walls(piece: &Mesh, options: &FuzzOptions) -> Vec<Wall> {
-    let size = size(options.stem);
-    let density = DENSITY * options.amount / (size * size);
-    let area_unit = options.units_per_metre * options.units_per_metre;
-    let Some(face) = TornFace::of(piece) else {
-        return Vec::new();
+/// Adds numbers of hairs, slivers and stubs that a triangle carries, as long as there are no more triangles than `most`.
+fn add_strands(
+    made: &mut StrandMesh,
+    face: &TornFace,
+    on: &Ground,
+    [hairs, slivers, stubs]: [usize; 3],
+    most: usize,
+) {
+    let options = made.options();
+    let draw = |number: usize| Draw {
+        options,
+        place: (on.triangle, number),
     };
+    let mut strands = Vec::new();
+    // Most triangles have none.
+    if hairs + slivers > 0
+        && let Some(frame) = face.frame(on.triangle)
+    {
+        strands.extend((0..hairs).filter_map(|n| draw(n).hair(&frame)));
+        strands.extend((0..slivers).flat_map(|n| draw(SLIVER_NUMBERS + n).sliver(&frame)));
+    }
+    for number in 0..stubs {
+        let draw = draw(STUB_NUMBERS + number);
+        let side = draw.side(face.grain(on.triangle)[0]);
+        let forward = if options.upper { -1.0 } else { 1.0 };
+        let frame = face.end_frame(on.triangle, side, forward);
+        strands.extend(frame.and_then(|frame| draw.stub(&frame, on.crushed)));
+    }
+    for strand in strands {
+        if made.triangles() + strand.triangles() <= most {
+            made.add(&strand);
+        }
+    }
+}
+
+/// Numbers from which on slivers and stubs of a triangle count, so that they share no random numbers with hairs.
+const SLIVER_NUMBERS: usize = 1 << 20;
+const STUB_NUMBERS: usize = 2 << 20;
+
+/// Finds the triangles of a piece that carry strands, with the numbers that each should have.
+fn ground(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<Ground> {
+    let size = size(options.stem);
+    let density = options.amount / (size * size);
+    let area_unit = options.units_per_metre * options.units_per_metre;
     let triangles = (0..piece.triangles.len()).filter(|&t| piece.material(t) == options.material);
-    let wall = |triangle: usize| {
+    let torn_from = (TORN_HEIGHT.0 * size, TORN_HEIGHT.1 * size);
+    let torn_at = |height: f64| smoothstep(torn_from.0, torn_from.1, height);
+    let rise = |t: usize| {
+        let [a, b, c] = face.grain(t).map(|g| g.z);
+        a.max(b).max(c) - a.min(b).min(c)
+    };
+    // An end is torn where a wall beside it is high.
+    let around = options.apart.then(|| {
+        let (points, count) = piece.points();
+        let mut highest = vec![0.0f64; count];
+        for t in triangles.clone() {
+            let height = rise(t);
+            for v in piece.triangles[t] {
+                let known = &mut highest[points[v as usize] as usize];
+                *known = known.max(height);
+            }
+        }
+        (points, highest)
+    });
+    let on = |triangle: usize| {
+        let height = rise(triangle);
+        let torn = torn_at(height);
         // Most of crushed and of brash wood is told apart by this alone.
-        let [a, b, c] = face.grain(triangle).map(|g| g.z);
-        let height = a.max(b).max(c) - a.min(b).min(c);
-        let (low, high) = TORN_HEIGHT;
-        let torn = smoothstep(low * size, high * size, height);
-        if torn == 0.0 {
+        if torn == 0.0 && around.is_none() {
             return None;
         }
         let [a, b, c] = piece.corners(triangle);
         let grain = face.grain(triangle);
         let (_, steepness) = slope([b - a, c - a], [grain[1] - grain[0], grain[2] - grain[0]])?;
-        if steepness < SIDE_GRAIN {
-            return None;
-        }
         let area = 0.5 * (b - a).cross(c - a).length() / area_unit;
         let middle = (grain[0] + grain[1] + grain[2]) / 3.0;
-        let tufts = DVec3::new(1.0 / TUFT.0, 1.0 / TUFT.0, 1.0 / TUFT.1) / size;
-        let tuft = gradient_3d(options.seed ^ PURPOSE, middle * tufts, 0).0;
-        let clumped = 0.15 + 1.7 * smoothstep(-0.25, 0.45, tuft);
-        let zone = face.zone(triangle);
-        let zone = DENSITY_OF_ZONES[zone.min(Zone::ALL.len() - 1)];
-        let strands = density * area * torn * clumped * zone;
-        (strands > 0.0).then_some(Wall { triangle, strands })
-    };
-    triangles.filter_map(wall).collect()
-}
-
-/// Factor on the lengths and widths of strands on a stem.
-fn size(stem: &Stem) -> f64 {
-    let size = (stem.radius / REFERENCE_RADIUS).sqrt();
-    size.clamp(SIZE_RANGE.0, SIZE_RANGE.1)
-}
-
-/// Draws a strand on a wall; none where it would reach out of the stem.
-fn strand_on(
-    frame: &Frame,
-    (triangle, number): (usize, usize),
-    options: &FuzzOptions,
-) -> Option<Strand> {
-    let random = |k: i64| unit(options.seed ^ PURPOSE, triangle as i64, number as i64, k);
-    let place = |k: i64| {
-        let (a, b) = (random(k), random(k + 1));
-        let (a, b) = if a + b > 1.0 {
-            (1.0 - a, 1.0 - b)
-        } else {
-            (a, b)
+        let of_wood = f64::from(u8::from(face.zone(triangle) <= SAPWOOD));
+        let zone = DENSITY_OF_ZONES[face.zone(triangle).min(Zone::ALL.len() - 1)];
+        let per_area = density * area * zone;
+        let mut made = Ground {
+            triangle,
+            strands: [0.0; 3],
+            crushed: 0.0,
         };
-        [1.0 - a - b, a, b]
-    };
-    let of = |w: [f64; 3], v: [DVec3; 3]| v[0] * w[0] + v[1] * w[1] + v[2] * w[2];
-    let forward = if options.upper { -1.0 } else { 1.0 };
-    // Most begin near the free end of the wall; some splinter off backwards.
-    let (one, other) = (place(0), place(2));
-    let ahead = forward * (of(one, frame.grain).z - of(other, frame.grain).z) > 0.0;
-    let weights = if ahead == (random(4) < 0.85) {
-        one
-    } else {
-        other
-    };
-    let direction = if random(5) < 0.05 { -forward } else { forward };
-    let size = size(options.stem);
-    let long = random(6);
-    // Most are short, and lengths differ by a decade.
-    let mut length =
-        size * (0.5e-3 + 2.2e-3 * random(7) * random(7) + 10e-3 * long * long * long * long * long);
-    // What stands out beyond the edge is short, but for a few hairs.
-    let ahead = frame.grain.map(|g| direction * g.z);
-    let edge = ahead[0].max(ahead[1]).max(ahead[2]) - direction * of(weights, frame.grain).z;
-    let hair = random(17) * random(17) * random(17);
-    let beyond = size * (0.6e-3 + 3.2e-3 * random(15) * random(16) + 6e-3 * hair * hair);
-    length = length.min(edge + beyond);
-    let width =
-        size * (0.045e-3 + 0.08e-3 * random(8) * random(8)) + 0.02 * length * random(9) * random(9);
-    // Most lie close, some stand off. Those beside each other bend to one side, so that they hardly cross, and all are bent.
-    let loose = random(10);
-    let lift = 0.02 + 0.27 * loose * loose * loose * loose;
-    let place = of(weights, frame.grain) / (TUFT.0 * size);
-    let together = |k: u64| gradient_3d(options.seed ^ PURPOSE ^ k << 40, place, 0).0;
-    let curl = 0.1 + 0.5 * together(1) + 0.22 * random(11);
-    let sway = 0.8 * together(2) + 0.12 * (random(12) - 0.5);
-    let mut strand = Strand {
-        root: Root {
-            position: of(weights, frame.corners),
-            grain: of(weights, frame.grain),
-            directions: [
-                frame.directions[0],
-                frame.directions[1],
-                frame.directions[2] * direction,
-            ],
-            zone: frame.zone as f32,
-            sector: frame.sector,
-        },
-        forward: direction,
-        length,
-        width,
-        thickness: width * (0.14 + 0.18 * random(13)),
-        roll: 0.9 * (random(14) - 0.5),
-        lift,
-        curl,
-        sway,
-        ring: 0.0,
-    };
-    strand.ring = options.stem.rings.address(strand.root.grain.truncate()).0;
-    if farthest_ring(&strand, frame, options) > OUTER_RING.max(strand.ring) {
-        (strand.lift, strand.curl, strand.sway) = (0.02, 0.0, 0.2 * strand.sway);
-        if farthest_ring(&strand, frame, options) > OUTER_RING.max(strand.ring) {
-            return None;
+        if steepness >= SIDE_GRAIN && torn > 0.0 {
+            let tufts = DVec3::new(1.0 / TUFT.0, 1.0 / TUFT.0, 1.0 / TUFT.1) / size;
+            let tuft = gradient_3d(options.seed ^ PURPOSE, middle * tufts, 0).0;
+            let clumped = 0.15 + 1.7 * smoothstep(-0.25, 0.45, tuft);
+            made.strands[0] = HAIRS * per_area * torn * clumped;
+            if options.apart {
+                let (low, high) = PEELED_HEIGHT;
+                made.strands[1] =
+                    SLIVERS * per_area * of_wood * smoothstep(low * size, high * size, height);
+            }
         }
-    }
-    Some(strand)
-}
-
-/// The greatest ring coordinate that a strand reaches. One that curls back reaches farther before its tip.
-fn farthest_ring(strand: &Strand, frame: &Frame, options: &FuzzOptions) -> f64 {
-    let at = |part: f64| {
-        let [beside, out] = strand.offset(part);
-        let way = strand.forward * strand.length * part * options.units_per_metre;
-        let across = frame.across[0] * beside + frame.across[1] * out + frame.lean * way;
-        let ring = (options.stem.rings)
-            .address(strand.root.grain.truncate() + across)
-            .0;
-        ring + (1.0 - part) * 0.5 * strand.width / options.stem.radius
+        if steepness < END_GRAIN
+            && let Some((points, highest)) = &around
+        {
+            let beside = piece.triangles[triangle].map(|v| highest[points[v as usize] as usize]);
+            let torn = torn_at(beside.into_iter().fold(0.0, f64::max));
+            made.crushed = 1.0 - torn;
+            let tuft = gradient_3d(options.seed ^ PURPOSE, middle / (BARE * size), 0).0;
+            let clumped = 0.2 + 0.8 * smoothstep(-0.3, 0.15, tuft);
+            made.strands[2] =
+                of_wood * clumped * (TORN_STUBS * torn + CRUSHED_STUBS * made.crushed) * per_area;
+        }
+        made.strands.iter().any(|&n| n > 0.0).then_some(made)
     };
-    [0.25, 0.5, 0.75, 1.0]
-        .map(at)
-        .into_iter()
-        .fold(0.0, f64::max)
+    triangles.clone().filter_map(on).collect()
 }

@@ -112,6 +112,43 @@ fn the_same_seed_gives_the_same_strands_and_torn_wood_has_more_than_brash() {
 }
 
 #[test]
+fn brash_wood_that_was_moved_apart_ends_in_short_fibres() {
+    let ends = |separation: f64| {
+        let request = BreakRequest {
+            texture_width: 16,
+            ..BreakRequest::single(Break {
+                recipe: Recipe::resolve(&["brash"], None, &[]).unwrap(),
+                separation,
+                ..Break::default()
+            })
+        };
+        break_scene(built_in_branch(), &request, &Context::quiet()).unwrap()
+    };
+    let (rest, apart) = (ends(0.0), ends(0.03));
+    // Halves that lie in each other leave no room for them.
+    assert!(triangles(&apart) > 20 * triangles(&rest).max(500));
+    let options = CheckOptions {
+        self_intersections: false,
+    };
+    let wood = &apart.woods[0];
+    let axis = wood.stem.grain.axis().frame(wood.stem.location).tangent;
+    for (i, node) in fuzz(&apart).into_iter().enumerate() {
+        let check = node.mesh.check_with(options);
+        assert!(check.closed && check.oriented, "{check}");
+        let share = node.mesh.volume() / apart.scene.nodes[i].mesh.volume();
+        assert!(share > 0.0 && share < 2e-3, "{share}");
+        // They lean, but most of their sides still run along the grain.
+        let share = across(&node.mesh, axis);
+        assert!(share > 0.02 && share < 0.25, "{share}");
+        // Bark has none of them.
+        let zones = &node.mesh.attributes["_ZONE"];
+        let vertices = node.mesh.positions.len();
+        let wooden = (0..vertices).filter(|&v| zones.at(v)[0] <= 2.0).count();
+        assert!(wooden * 10 > vertices * 9, "{wooden} of {vertices}");
+    }
+}
+
+#[test]
 fn a_budget_holds_with_strands() {
     for most in [9_000, 30_000] {
         let made = broken("", &[], Some(most));

@@ -120,7 +120,8 @@ pub fn finish(
     for (report, lean) in made.reports.iter_mut().zip(leans.into_iter().flatten()) {
         report.lean = Some(lean);
     }
-    made.add_fuzz(stages, options.most_triangles);
+    let apart = asked.way > 0.0 || p.hang > 0.0;
+    made.add_fuzz(stages, options.most_triangles, apart);
     made.notes.extend(notes_on_cracks(stages));
     Ok(made)
 }
@@ -294,8 +295,9 @@ impl Pieces {
         Ok(())
     }
 
-    /// Adds the fuzz of both halves, as far as `most` triangles beyond those of the stem leave room for it.
-    fn add_fuzz(&mut self, stages: &BreakStages, most: Option<u32>) {
+    /// Adds the fuzz of both halves, as far as `most` triangles beyond those of the stem leave room for it. `apart` says whether the
+    /// halves were moved off each other.
+    fn add_fuzz(&mut self, stages: &BreakStages, most: Option<u32>, apart: bool) {
         let (stem, p) = (stages.stem.stem(), &stages.stem.face);
         if p.fuzz == 0.0 || p.surface == SurfaceStyle::Smooth {
             return;
@@ -319,6 +321,7 @@ impl Pieces {
             let options = FuzzOptions {
                 amount: p.fuzz,
                 most_triangles: room / 2,
+                apart,
                 upper,
                 material: stages.stem.inner_material,
                 stem: &stem.found.stem,

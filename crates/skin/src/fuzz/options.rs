@@ -10,6 +10,8 @@ pub struct FuzzOptions<'a> {
     pub amount: f64,
     /// The most triangles it may have.
     pub most_triangles: usize,
+    /// Whether the piece was moved off the other: only then is there room for slivers that peel off and for crushed ends that lean.
+    pub apart: bool,
     /// Whether the piece lies beyond the break, so that its strands point to the base.
     pub upper: bool,
     /// Material of the wood inside.

@@ -1,7 +1,7 @@
 //! One strand of fuzz, and the mesh of many.
 
 use super::options::FuzzOptions;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use greenstick_geometry::{Attribute, Mesh};
 use greenstick_wood::tissue::Zone;
 
@@ -9,13 +9,23 @@ use greenstick_wood::tissue::Zone;
 /// short one bends too little to need as many.
 const SECTIONS: [(f64, f64); 3] = [(0.0, 0.75), (0.42, 1.0), (0.76, 0.65)];
 const SECTIONS_OF_SHORT: [(f64, f64); 2] = [(0.0, 0.8), (0.55, 1.0)];
+/// The same of a sliver, which is as wide as it was torn off over most of its length, and of stubs: one that ends in a point, one that
+/// ends blunt, and one with a kink.
+const SECTIONS_OF_SLIVER: [(f64, f64); 4] = [(0.0, 0.9), (0.3, 1.0), (0.58, 0.9), (0.84, 0.62)];
+const SECTIONS_OF_SPIKE: [(f64, f64); 1] = [(0.0, 1.0)];
+const SECTIONS_OF_CHISEL: [(f64, f64); 2] = [(0.0, 1.0), (1.0, 0.8)];
+const SECTIONS_OF_KINKED: [(f64, f64); 2] = [(0.0, 1.0), (0.5, 0.9)];
 /// Widths below which a strand is short.
 const SHORT: f64 = 16.0;
+/// Difference of parts of a length by which the direction at one of them is told.
+const NEARBY: f64 = 0.02;
 /// Corners of a cross section.
 const SIDES: usize = 3;
 /// How much of its own roundness the normal of a strand has beside that of the face that it lies on. Fibres let light through and
 /// are thinner than a pixel: lit as solid bodies they would be dark lines.
 const ROUNDNESS: f64 = 0.45;
+/// How much of the direction of the grain the normal of a stub has beside its own.
+const UPRIGHT: f64 = 0.5;
 /// Depth of a strand's beginning within the wood, in thicknesses.
 const DEPTH: f64 = 1.2;
 
@@ -27,15 +37,53 @@ pub(super) struct Root {
     pub grain: DVec3,
     /// Unit directions: beside the strand in the face, out of the face, along the strand.
     pub directions: [DVec3; 3],
+    /// The first two of them in the section.
+    pub across: [DVec2; 2],
     /// Code of its tissue.
     pub zone: f32,
     /// Its sector.
     pub sector: f32,
 }
 
+/// What a strand is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum StrandKind {
+    /// A few fibres.
+    Hair,
+    /// A lath that came half off its splinter.
+    Sliver,
+    /// The short end of a bundle that broke across, pointed, blunt or kinked.
+    Spike,
+    Chisel,
+    Kinked,
+}
+
+impl StrandKind {
+    /// Whether it is the end of a bundle that broke across.
+    fn is_stub(self) -> bool {
+        matches!(self, Self::Spike | Self::Chisel | Self::Kinked)
+    }
+}
+
+/// A kink: fibres that were bent too far fold in one place and are straight beyond it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Kink {
+    /// Part of the length at which it is.
+    pub at: f64,
+    /// Angle, rad.
+    pub angle: f64,
+    /// Direction that it turns to, rad: 0 out of the face, a right angle to the side.
+    pub toward: f64,
+}
+
 /// A strand. Lengths are m.
 pub(super) struct Strand {
+    pub kind: StrandKind,
     pub root: Root,
+    /// Distance of its root beside the place that it begins at, and depth of it along the grain.
+    pub beside: f64,
+    pub sunk: f64,
+    pub kink: Kink,
     /// 1 where it points along the grain, −1 where it points back.
     pub forward: f64,
     pub length: f64,
@@ -47,38 +95,53 @@ pub(super) struct Strand {
     pub lift: f64,
     pub curl: f64,
     pub sway: f64,
+    /// Parts of the length at which the corners of a blunt end lie.
+    pub ends: [f64; SIDES],
     /// Ring coordinate of its wood.
     pub ring: f64,
 }
 
 impl Strand {
     fn sections(&self) -> &'static [(f64, f64)] {
-        match self.length < SHORT * self.width {
-            true => &SECTIONS_OF_SHORT,
-            false => &SECTIONS,
+        match self.kind {
+            StrandKind::Hair if self.length < SHORT * self.width => &SECTIONS_OF_SHORT,
+            StrandKind::Hair => &SECTIONS,
+            StrandKind::Sliver => &SECTIONS_OF_SLIVER,
+            StrandKind::Spike => &SECTIONS_OF_SPIKE,
+            StrandKind::Chisel => &SECTIONS_OF_CHISEL,
+            StrandKind::Kinked => &SECTIONS_OF_KINKED,
         }
     }
 
     /// Number of its triangles.
     pub fn triangles(&self) -> usize {
-        2 * SIDES * (self.sections().len() - 1) + SIDES + 1
+        let end = match self.kind {
+            StrandKind::Chisel => 1,
+            _ => SIDES,
+        };
+        2 * SIDES * (self.sections().len() - 1) + end + 1
     }
 
-    /// How far the strand lies beside and out of its root at a part of its length, m.
-    pub fn offset(&self, part: f64) -> [f64; 2] {
-        [
-            self.length * self.sway * part * part,
-            self.length * (self.lift * part + self.curl * part * part)
-                - DEPTH * self.thickness * (1.0 - part),
-        ]
+    /// How far the strand lies beside its root, out of it and along the grain from it at a part of its length, m.
+    pub fn offset(&self, part: f64) -> DVec3 {
+        let depth = DEPTH * self.thickness * (1.0 - part);
+        let mut at = DVec3::new(
+            self.beside + self.length * self.sway * part * part,
+            self.length * (self.lift * part + self.curl * part * part) - depth,
+            self.length * part - self.sunk,
+        );
+        let beyond = self.length * (part - self.kink.at).max(0.0);
+        if self.kink.angle != 0.0 && beyond > 0.0 {
+            let (sin, cos) = libm::sincos(self.kink.angle);
+            let (aside, out) = libm::sincos(self.kink.toward);
+            at += DVec3::new(aside * sin, out * sin, cos - 1.0) * beyond;
+        }
+        at
     }
 
-    /// Slopes of [`Strand::offset`] over the length.
-    fn slopes(&self, part: f64) -> [f64; 2] {
-        [
-            2.0 * self.sway * part,
-            self.lift + 2.0 * self.curl * part + DEPTH * self.thickness / self.length,
-        ]
+    /// Unit direction of the strand at a part of its length, in the coordinates of [`Strand::offset`].
+    fn direction(&self, part: f64) -> DVec3 {
+        (self.offset(part + NEARBY) - self.offset(part - NEARBY)).normalize_or(DVec3::Z)
     }
 }
 
@@ -133,6 +196,11 @@ impl<'a> StrandMesh<'a> {
         }
     }
 
+    /// What fuzz is made of.
+    pub fn options(&self) -> &'a FuzzOptions<'a> {
+        self.options
+    }
+
     /// Triangles so far.
     pub fn triangles(&self) -> usize {
         self.mesh.triangles.len()
@@ -143,24 +211,34 @@ impl<'a> StrandMesh<'a> {
         let first = self.mesh.positions.len() as u32;
         let [beside, out, along] = strand.root.directions;
         let (sin, cos) = libm::sincos(strand.roll);
-        let lit = |normal: DVec3| (out + normal * ROUNDNESS).normalize();
+        let lit = |normal: DVec3| match strand.kind.is_stub() {
+            true => (normal + along * UPRIGHT).normalize(),
+            false => (out + normal * ROUNDNESS).normalize(),
+        };
         let (flat, ridge) = (beside * cos + out * sin, out * cos - beside * sin);
         let sections = strand.sections();
-        for &(part, swell) in sections {
-            let [b, o] = strand.slopes(part);
-            let tangent = (along + beside * b + out * o).normalize();
+        let blunt = strand.kind == StrandKind::Chisel;
+        for (number, &(part, swell)) in sections.iter().enumerate() {
+            let ends = match blunt && number + 1 == sections.len() {
+                true => strand.ends,
+                false => [part; SIDES],
+            };
+            let way = strand.direction(part);
+            let tangent = (beside * way.x + out * way.y + along * way.z).normalize();
             let across = |d: DVec3| (d - tangent * d.dot(tangent)).normalize();
             let (flat, ridge) = (across(flat), across(ridge));
             let (half, thick) = (0.5 * strand.width * swell, strand.thickness * swell);
-            for (offset, normal) in [
+            for (part, (offset, normal)) in ends.into_iter().zip([
                 (-flat * half, (ridge * 0.5 - flat).normalize()),
                 (flat * half, (ridge * 0.5 + flat).normalize()),
                 (ridge * thick, ridge),
-            ] {
+            ]) {
                 self.vertex(strand, part, offset, lit(normal));
             }
         }
-        self.vertex(strand, 1.0, DVec3::ZERO, out);
+        if !blunt {
+            self.vertex(strand, 1.0, DVec3::ZERO, lit(out));
+        }
         let corner = |section: usize, side: usize| first + (SIDES * section + side % SIDES) as u32;
         // Sides run to the left or to the right by whether the strand's own directions are right-handed.
         let turned = beside.cross(out).dot(along) < 0.0;
@@ -179,7 +257,12 @@ impl<'a> StrandMesh<'a> {
                 add([a, b, d]);
                 add([a, d, c]);
             }
-            add([corner(last, side), corner(last, side + 1), tip]);
+            if !blunt {
+                add([corner(last, side), corner(last, side + 1), tip]);
+            }
+        }
+        if blunt {
+            add([corner(last, 0), corner(last, 1), corner(last, 2)]);
         }
     }
 
@@ -224,10 +307,11 @@ impl<'a> StrandMesh<'a> {
             position,
             grain,
             directions: [beside, out, along],
+            across,
             ..
         } = strand.root;
-        let [b, o] = strand.offset(part);
-        let moved = along * (strand.length * part) + beside * b + out * o + offset;
+        let at = strand.offset(part);
+        let moved = along * at.z + beside * at.x + out * at.y + offset;
         // Files have this precision.
         let at = (position + moved * self.options.units_per_metre).as_vec3();
         self.mesh.positions.push(at.as_dvec3());
@@ -237,7 +321,8 @@ impl<'a> StrandMesh<'a> {
         let length = grain.z + strand.forward * strand.length * part;
         let texture = (self.options.square).side_grain(strand.ring, 0.0, length);
         self.coordinates.extend(texture.as_vec2().to_array());
-        let grain = DVec3::new(grain.x, grain.y, length);
+        let off = across[0] * offset.dot(beside) + across[1] * offset.dot(out);
+        let grain = (grain.truncate() + off).extend(length);
         self.grain.extend(grain.as_vec3().to_array());
         self.rings.push(strand.ring.min(1.0) as f32);
         self.sectors.push(strand.root.sector);
