@@ -4,7 +4,7 @@ use super::actions::Action;
 use super::charts::{chart, short};
 use super::studio::Studio;
 use crate::model::holds::hand_of;
-use crate::model::simulation::{Look, Source};
+use crate::model::simulation::{Look, Outcome, Source};
 use crate::platform::Lane;
 use eframe::egui::{self, Grid, RichText, Ui};
 
@@ -54,22 +54,7 @@ impl Studio {
                 ui.add(egui::Label::new(text).wrap());
             }
             Some(outcome) => {
-                Grid::new("outcome")
-                    .num_columns(2)
-                    .striped(true)
-                    .show(ui, |ui| {
-                        for (name, value) in &outcome.facts {
-                            ui.label(RichText::new(name).weak());
-                            ui.add(egui::Label::new(value).wrap().selectable(true));
-                            ui.end_row();
-                        }
-                    });
-                if !outcome.report.is_empty() {
-                    let report = RichText::new(&outcome.report).monospace().small();
-                    ui.collapsing("Whole report", |ui| {
-                        ui.add(egui::Label::new(report).wrap().selectable(true));
-                    });
-                }
+                show_outcome(ui, outcome);
                 let usable = outcome.broke && simulation.wood.is_some() && !simulation.takes;
                 let button = egui::Button::new(RichText::new("Take this break").strong());
                 take = ui
@@ -193,5 +178,25 @@ impl Studio {
         if let Some(by) = step {
             self.step_frame(by);
         }
+    }
+}
+
+/// What became of the wood.
+fn show_outcome(ui: &mut Ui, outcome: &Outcome) {
+    Grid::new("outcome")
+        .num_columns(2)
+        .striped(true)
+        .show(ui, |ui| {
+            for (name, value) in &outcome.facts {
+                ui.label(RichText::new(name).weak());
+                ui.add(egui::Label::new(value).wrap().selectable(true));
+                ui.end_row();
+            }
+        });
+    if !outcome.report.is_empty() {
+        let report = RichText::new(&outcome.report).monospace().small();
+        ui.collapsing("Whole report", |ui| {
+            ui.add(egui::Label::new(report).wrap().selectable(true));
+        });
     }
 }

@@ -58,6 +58,16 @@ fn wait(harness: &mut Window, so: impl Fn(&Window) -> bool) {
     }
 }
 
+/// The report on a scene as the command line simulates it.
+fn simulated_alone(scene: Scene) -> String {
+    let request = SimulateRequest {
+        scene,
+        ..SimulateRequest::default()
+    };
+    let report = simulate(&request, &mut MemoryRun::new(), &Context::quiet());
+    report.unwrap().to_string()
+}
+
 #[test]
 fn wood_is_pulled_until_it_breaks_and_the_saved_scene_is_the_same_for_the_command_line() {
     let folder = Folder::new();
@@ -127,12 +137,7 @@ fn wood_is_pulled_until_it_breaks_and_the_saved_scene_is_the_same_for_the_comman
         (scene.clamp.len(), scene.clamp[1].axes.to_string()),
         (2, "yz".to_owned())
     );
-    let request = SimulateRequest {
-        scene,
-        ..SimulateRequest::default()
-    };
-    let alone = simulate(&request, &mut MemoryRun::new(), &Context::quiet()).unwrap();
-    assert_eq!(alone.to_string(), pulled);
+    assert_eq!(simulated_alone(scene), pulled);
 
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut harness);
@@ -172,12 +177,7 @@ fn a_hand_tears_the_stem_at_hand_and_its_break_is_one_step() {
     // The built-in branch has no file: the scene makes it.
     assert_eq!(scene.stem.kind, StemChoice::Branch);
     assert_eq!(scene.clamp[1].axes.to_string(), "xyz");
-    let request = SimulateRequest {
-        scene,
-        ..SimulateRequest::default()
-    };
-    let alone = simulate(&request, &mut MemoryRun::new(), &Context::quiet()).unwrap();
-    assert_eq!(alone.to_string(), report(&harness));
+    assert_eq!(simulated_alone(scene), report(&harness));
     harness.get_by_label("Take this break").click();
     settle(&mut harness);
     assert!(errors(&harness).is_empty(), "{:?}", errors(&harness));

@@ -283,13 +283,7 @@ impl BreakSession {
                     (one.chain).update(&input, &requested, ids, changes, &cutting)?;
                 finishing.report(0.0)?;
                 let pieces = one.pieces.get((id, requested.clone()), ids, |_| {
-                    let options = FinishOptions {
-                        face,
-                        asked,
-                        fray: requested.fray,
-                        separation: Separation::new(requested.separation, requested.part_clear),
-                        most_triangles: requested.triangles,
-                    };
+                    let options = finish_options(&requested, face, asked);
                     finish(&stages, &options, &finishing)
                 })?;
                 Ok::<_, Error>((stages, pieces, requested))
@@ -402,6 +396,21 @@ impl BreakSession {
             None
         };
         Ok((BrokenWood::new(stage, appearance), baked))
+    }
+}
+
+/// How a break is finished whose face asked for more than the `face` that its budget of triangles leaves.
+fn finish_options<'a>(
+    requested: &Break,
+    face: &'a BreakParameters,
+    asked: &'a BreakParameters,
+) -> FinishOptions<'a> {
+    FinishOptions {
+        face,
+        asked,
+        fray: requested.fray,
+        separation: Separation::new(requested.separation, requested.part_clear),
+        most_triangles: requested.triangles,
     }
 }
 
