@@ -341,12 +341,7 @@ impl<'a> TornRelief<'a> {
         let [drop, fork] = end.fork_random;
         let fork =
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
-        let crushed = p.compression_height
-            * (CRUSHED_PARTS * heavy(drop) + CRUSHED_BUNDLES * heavy(end.crushed_random[0]));
-        // Either half keeps the fibres of a bundle.
-        let [sharp, side, _] = end.crushed_random;
-        let crushed_blade = ((1.0 - torn) * p.compression_height)
-            * (CRUSHED_BLADE.0 + CRUSHED_BLADE.1 * sharp * sharp).copysign(side - 0.5);
+        let (crushed, crushed_blade) = self.crushed(end, torn);
         let slant = slab.slant * (torn * relief * p.slab_height);
         let torn_height = relief * p.slab_height * slab_height
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)
@@ -384,6 +379,18 @@ impl<'a> TornRelief<'a> {
             blade: up * blade.min(3.0 * MAX_SLENDERNESS * width) + shard.blade + crushed_blade,
             bark: false,
         }
+    }
+
+    /// Returns the height of a bundle of crushed wood, and that of its end.
+    fn crushed(&self, end: &TornEnd, torn: f64) -> (f64, f64) {
+        let (height, [drop, _]) = (self.model.p.compression_height, end.fork_random);
+        let crushed =
+            height * (CRUSHED_PARTS * heavy(drop) + CRUSHED_BUNDLES * heavy(end.crushed_random[0]));
+        // Either half keeps the fibres of a bundle.
+        let [sharp, side, _] = end.crushed_random;
+        let blade = ((1.0 - torn) * height)
+            * (CRUSHED_BLADE.0 + CRUSHED_BLADE.1 * sharp * sharp).copysign(side - 0.5);
+        (crushed, blade)
     }
 
     /// Returns the heights of the shaft of a sliver and of its outline, the taper on it, which is most of it. `length` is that drawn
