@@ -402,18 +402,21 @@ fn a_painted_face_looks_as_it_did() {
     harness.key_press(Key::B);
     harness.run_steps(2);
     harness.state_mut().paint.brush.strength = 1.0;
-    let mut stroke = |label: &str, from: (f32, f32), to: (f32, f32)| {
+    // Single dabs on a face that has settled: what a stroke meets depends on how fast its answers come.
+    let mut dab = |label: &str, place: (f32, f32)| {
         harness.get_by_label(label).click();
         harness.run_steps(2);
-        let [from, to] =
-            [from, to].map(|(rho, angle)| harness.state_mut().face_place_at(rho, angle).unwrap());
-        drag(&mut harness, from, to);
-        to
+        let at = harness.state_mut().face_place_at(place.0, place.1).unwrap();
+        drag(&mut harness, at, at);
+        at
     };
-    stroke("Stay", (0.75, 2.4), (0.75, 3.6));
-    stroke("Stay", (0.75, 3.6), (0.75, 2.4));
-    stroke("Splinter", (0.6, 5.2), (0.6, 6.6));
-    let end = stroke("Splinter", (0.6, 6.6), (0.6, 5.2));
+    for k in 0..6 {
+        dab("Stay", (0.75, 2.4 + 0.24 * k as f32));
+    }
+    let mut end = dab("Splinter", (0.6, 6.6));
+    for k in 0..6 {
+        end = dab("Splinter", (0.6, 6.4 - 0.24 * k as f32));
+    }
     harness.hover_at(end);
     check_with_pointer(&mut harness, &state, "painted");
 }
