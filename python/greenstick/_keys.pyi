@@ -417,7 +417,7 @@ class RequestAttributes:
     def fibre_height(self, value: float | str) -> None: ...
     @property
     def fuzz(self) -> float:
-        """Strands of torn fibre on the broken face, along the sides of its splinters and on their edges, and on pieces that are moved apart at the ends of short breaks, too: 0 none, 1 as many as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out. Unit: fraction."""
+        """Strands of torn fibre on the broken face, along the sides of its splinters and on their edges, and, on pieces that are moved apart, at the ends of short breaks, too: 0 none, 1 as many as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out. Unit: fraction."""
     @fuzz.setter
     def fuzz(self, value: float | str) -> None: ...
     @property

@@ -2,8 +2,8 @@
 //!
 //! Torn wood carries bundles of fibres 0.1 to 0.5 mm wide and 2 to 20 mm long, densely where it was torn (Hoadley, *Understanding
 //! Wood*), slivers that came half off their splinters, and short, leaning ends of bundles where it was crushed or broke across. They
-//! are too thin for the cells of a face. Each is a closed three-sided blade of the wood that it is peeled off: it begins within that
-//! wood, lies along the grain, and lifts towards its free end. Together they are a mesh of their own beside the piece, so that the
+//! are too thin for the cells of a face. Each is a closed solid of the wood that it stands on: it begins within that wood and runs
+//! along the grain, or is kinked; hairs and slivers lift towards their free ends. Together they are a mesh of their own beside the piece, so that the
 //! piece stays one closed solid.
 
 mod draw;
@@ -49,8 +49,12 @@ const SAPWOOD: usize = 2;
 /// Density on pith, heartwood, sapwood, phloem and bark.
 const DENSITY_OF_ZONES: [f64; 5] = [0.3, 0.9, 1.0, 1.2, 0.06];
 
+/// Numbers from which on slivers and stubs of a triangle count, so that they share no random numbers with hairs.
+const SLIVER_NUMBERS: usize = 1 << 20;
+const STUB_NUMBERS: usize = 2 << 20;
+
 /// A triangle that carries strands.
-struct Ground {
+struct TornTriangle {
     triangle: usize,
     /// Expected numbers of hairs, slivers and stubs.
     strands: [f64; 3],
@@ -68,7 +72,7 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
     let Some(face) = TornFace::of(piece) else {
         return made.finish();
     };
-    let mut ground = ground(piece, &face, options);
+    let mut torn = torn_triangles(piece, &face, options);
     let on_face = |&t: &usize| piece.material(t) == options.material;
     let of_face = (0..piece.triangles.len()).filter(on_face).count();
     let shares = if options.apart {
@@ -78,16 +82,16 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
     };
     let mut most = 0.0;
     for (k, share) in shares.into_iter().enumerate() {
-        let expected = ground.iter().map(|g| g.strands[k]).sum::<f64>() * MEAN_TRIANGLES[k];
+        let expected = torn.iter().map(|t| t.strands[k]).sum::<f64>() * MEAN_TRIANGLES[k];
         let room = share * options.amount * of_face as f64;
         most += room;
         if expected > room {
             let part = room / expected;
-            ground.iter_mut().for_each(|g| g.strands[k] *= part);
+            torn.iter_mut().for_each(|t| t.strands[k] *= part);
         }
     }
     let most = (most as usize + made.triangles()).min(options.most_triangles);
-    for on in &ground {
+    for on in &torn {
         let random = |k: usize| unit(options.seed ^ PURPOSE, on.triangle as i64, -1, k as i64);
         let counts = [0, 1, 2].map(|k| (on.strands[k] + random(k)) as usize);
         add_strands(&mut made, &face, on, counts, most);
@@ -99,7 +103,7 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
 fn add_strands(
     made: &mut StrandMesh,
     face: &TornFace,
-    on: &Ground,
+    on: &TornTriangle,
     [hairs, slivers, stubs]: [usize; 3],
     most: usize,
 ) {
@@ -130,12 +134,8 @@ fn add_strands(
     }
 }
 
-/// Numbers from which on slivers and stubs of a triangle count, so that they share no random numbers with hairs.
-const SLIVER_NUMBERS: usize = 1 << 20;
-const STUB_NUMBERS: usize = 2 << 20;
-
 /// Finds the triangles of a piece that carry strands, with the numbers that each should have.
-fn ground(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<Ground> {
+fn torn_triangles(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<TornTriangle> {
     let size = size(options.stem);
     let density = options.amount / (size * size);
     let area_unit = options.units_per_metre * options.units_per_metre;
@@ -174,7 +174,7 @@ fn ground(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<Ground> {
         let of_wood = f64::from(u8::from(face.zone(triangle) <= SAPWOOD));
         let zone = DENSITY_OF_ZONES[face.zone(triangle).min(Zone::ALL.len() - 1)];
         let per_area = density * area * zone;
-        let mut made = Ground {
+        let mut made = TornTriangle {
             triangle,
             strands: [0.0; 3],
             crushed: 0.0,

@@ -41,6 +41,11 @@ fn report(harness: &Window) -> String {
     outcome.unwrap().report
 }
 
+fn broke(harness: &Window) -> bool {
+    let outcome = &harness.state().simulation().unwrap().outcome;
+    outcome.as_ref().unwrap().broke
+}
+
 fn first_frame(harness: &mut Window) {
     harness.get_by_label("To the first frame").click();
     harness.run_steps(3);
@@ -76,16 +81,7 @@ fn wood_is_pulled_until_it_breaks_and_the_saved_scene_is_the_same_for_the_comman
     let mut harness = studio(&folder, Some(path.to_str().unwrap()));
     settle(&mut harness);
     let still = report(&harness);
-    assert!(
-        !harness
-            .state()
-            .simulation()
-            .unwrap()
-            .outcome
-            .as_ref()
-            .unwrap()
-            .broke
-    );
+    assert!(!broke(&harness));
     first_frame(&mut harness);
     let place = |harness: &Window, at| harness.state().stem_place(at).unwrap();
     let [base, from] = [0.0, 0.9].map(|at| place(&harness, at));
@@ -113,16 +109,7 @@ fn wood_is_pulled_until_it_breaks_and_the_saved_scene_is_the_same_for_the_comman
     assert!(by[0] == 0.0 && (0.2..0.66).contains(&way), "{by:?}");
     assert_eq!(frames(&harness), 11);
     let pulled = report(&harness);
-    assert!(
-        harness
-            .state()
-            .simulation()
-            .unwrap()
-            .outcome
-            .as_ref()
-            .unwrap()
-            .broke
-    );
+    assert!(broke(&harness));
     // Its dot is where it was let go: the drag was in the plane of the picture.
     first_frame(&mut harness);
     let dot = harness.state().hold_dot(HoldPart::Hand).unwrap();

@@ -86,8 +86,9 @@ parameters! {
             sliver_height: f64 = 0.6, number(Radius, 0.0, 20.0);
             /// Height of the fur of fine fibres on the tips.
             fibre_height: f64 = 0.08, number(Radius, 0.0, 5.0);
-            /// Strands of torn fibre on the broken face, along the sides of its splinters and on their edges, and on pieces that are
-            /// moved apart at the ends of short breaks, too: 0 none, 1 as many as there can be. They are thin meshes of their own beside the pieces, which files of a single mesh leave out.
+            /// Strands of torn fibre on the broken face, along the sides of its splinters and on their edges, and, on pieces that are
+            /// moved apart, at the ends of short breaks, too: 0 none, 1 as many as there can be. They are thin meshes of their own
+            /// beside the pieces, which files of a single mesh leave out.
             fuzz: f64 = 0.5, number(Fraction, 0.0, 1.0);
             /// Mean angle by which slender splinters lean from the grain, each to a side of its own, as torn wood springs apart: not at
             /// the root, more and more towards the tip, thick ones less. Each half is bent by itself after it was cut, which changes

@@ -1,4 +1,4 @@
-//! How strands are drawn: hairs along the sides and edges of splinters, slivers that peel off them, and the blunt ends of bundles on
+//! How strands are drawn: hairs along the sides and edges of splinters, slivers that peel off them, and the ends of bundles on
 //! wood that broke across.
 
 use super::face::Frame;
@@ -19,7 +19,7 @@ pub(super) const TUFT: (f64, f64) = (2.2e-3, 9e-3);
 /// moved apart.
 const OUTER_RING: f64 = 0.975;
 const OUTER_RING_APART: f64 = 1.1;
-/// Shares of hairs that are bundles of fibres and half as fine as others.
+/// Share of hairs that are bundles of fibres, nearly twice as wide as the others.
 const BUNDLED: f64 = 0.45;
 /// The most laths that a sliver splits into towards its free end.
 pub(super) const LATHS: usize = 3;
@@ -38,6 +38,9 @@ const KINKS: (f64, f64) = (25.0, 55.0);
 const BLUNT: f64 = 0.5;
 /// Range of the roll of ends out of their ring, rad: wood parts along rings.
 const STUB_ROLL: f64 = 1.2;
+/// Least length of a sliver, m, and depth of a stub within the wood.
+const LEAST_SLIVER: f64 = 2.5e-3;
+const STUB_DEPTH: f64 = 0.3e-3;
 /// In the hash: what random numbers are drawn for.
 pub(super) const PURPOSE: u64 = 0xf022;
 
@@ -275,10 +278,6 @@ impl Draw<'_> {
         Some(strand)
     }
 }
-
-/// Least length of a sliver, m, and depth of a stub within the wood.
-const LEAST_SLIVER: f64 = 2.5e-3;
-const STUB_DEPTH: f64 = 0.3e-3;
 
 fn of(w: [f64; 3], v: [DVec3; 3]) -> DVec3 {
     v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
