@@ -4,7 +4,7 @@ use super::error::SimulateError;
 use crate::bodies::Shape;
 use crate::scene::{BodyKeys, MotionChoice, ShapeChoice, StemChoice};
 use glam::{DAffine3, DVec3};
-use greenstick_geometry::{Node, Scene, repair};
+use greenstick_geometry::{Context, Node, Scene, repair};
 use greenstick_wood::primitive::{self, BranchOptions};
 use greenstick_wood::stem::StemLocation;
 use std::collections::BTreeMap;
@@ -30,6 +30,7 @@ pub(super) struct StemScene {
 pub(super) fn stem_scene(
     scene: &crate::Scene,
     input: Option<&Scene>,
+    context: &Context,
 ) -> Result<StemScene, SimulateError> {
     let stem = &scene.stem;
     let mesh = match stem.kind {
@@ -50,7 +51,7 @@ pub(super) fn stem_scene(
         StemChoice::Input => {
             let mut scene = input.ok_or(SimulateError::NoInput)?.clone();
             return Ok(StemScene {
-                notes: repair::close_seams_of_scene(&mut scene),
+                notes: repair::close_seams_of_scene(&mut scene, context)?,
                 scene,
                 location: stem.at,
             });

@@ -65,7 +65,7 @@ pub fn fill_scene_stem(
         (Stage::new("rods"), 2.0),
     ]);
     finding.report(0.0)?;
-    let of_stem = stem_scene(scene, input)?;
+    let of_stem = stem_scene(scene, input, &finding)?;
     let found = find_in_scene(scene, &of_stem, &finding)?;
     let (from, to) = found.stem.usable;
     let range = scene.stem.part.map(|p| from + p * (to - from));

@@ -115,6 +115,7 @@ pub fn cut_again(
     );
     let sides = overlay_skin(solid, (skin, grid), surface, clips, &mut overlay, context)?;
     clips.made = overlay.vertices.len();
+    context.check()?;
     let outlines = outlines(&overlay);
     let cap = cap::build(surface, grid, &mut overlay, heights, context)?;
     Ok(Cut {

@@ -1,8 +1,9 @@
 //! Closing of seams: borders that lie on each other but for the last digits, as where texture coordinates end and begin again
 //! and either side worked out its positions by itself. Sine and cosine of 0 and of a whole turn differ so.
 
-use crate::{Mesh, Scene, Unions};
+use crate::{Cancelled, Context, Mesh, Scene, Unions};
 use glam::DVec3;
+use rayon::slice::ParallelSliceMut;
 use rustc_hash::FxHashSet;
 
 /// How far the sides of a seam may be apart, as a part of the mesh's diagonal: some steps of single precision, and far below
@@ -12,11 +13,15 @@ pub const SEAM_TOLERANCE: f64 = 1e-6;
 /// Moves vertices at borders of a mesh onto those of another border that lie within [`SEAM_TOLERANCE`] of its size. Vertices
 /// stay apart, with attributes of their own; triangles keep their area. Returns how many vertices were moved, and the distance
 /// (in the mesh's unit) within which.
-pub fn close_seams(mesh: &mut Mesh) -> (usize, f64) {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn close_seams(mesh: &mut Mesh, context: &Context) -> Result<(usize, f64), Cancelled> {
     let tolerance = mesh
         .bounds()
         .map_or(0.0, |(low, high)| SEAM_TOLERANCE * low.distance(high));
     let (points, count) = mesh.points();
+    context.check()?;
     let mut places = vec![DVec3::ZERO; count];
     for (v, &p) in points.iter().enumerate() {
         places[p as usize] = mesh.positions[v];
@@ -26,8 +31,10 @@ pub fn close_seams(mesh: &mut Mesh) -> (usize, f64) {
         .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
         .map(|[a, b]| [a.min(b), a.max(b)])
         .collect();
+    context.check()?;
     let mut sorted = sides.clone();
-    sorted.sort_unstable();
+    sorted.par_sort_unstable();
+    context.check()?;
     let lone = sorted.chunk_by(|a, b| a == b).filter(|e| e.len() == 1);
     let mut border: Vec<u32> = lone.flat_map(|e| e[0]).collect();
     border.sort_unstable();
@@ -35,7 +42,7 @@ pub fn close_seams(mesh: &mut Mesh) -> (usize, f64) {
     let mut joined = Unions::new(count);
     let any = join_near(&border, &places, tolerance, &mut joined);
     if !any {
-        return (0, tolerance);
+        return Ok((0, tolerance));
     }
     // Nothing is moved where a side of a triangle would vanish.
     let sides = sides.iter().filter(|[a, b]| a != b);
@@ -50,7 +57,7 @@ pub fn close_seams(mesh: &mut Mesh) -> (usize, f64) {
             moved += 1;
         }
     }
-    (moved, tolerance)
+    Ok((moved, tolerance))
 }
 
 /// Joins those of the `border` that lie within a tolerance of each other, as numbers of `places`. Returns whether there are any. The
@@ -100,11 +107,17 @@ fn join_near(border: &[u32], places: &[DVec3], tolerance: f64, joined: &mut Unio
 }
 
 /// Closes the seams of all meshes of a scene. Returns a note on each mesh that had one.
-pub fn close_seams_of_scene(scene: &mut Scene) -> Vec<String> {
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn close_seams_of_scene(
+    scene: &mut Scene,
+    context: &Context,
+) -> Result<Vec<String>, Cancelled> {
     let mut notes = Vec::new();
     for node in &mut scene.nodes {
         let mut mesh = Mesh::clone(&node.mesh);
-        let (moved, within) = close_seams(&mut mesh);
+        let (moved, within) = close_seams(&mut mesh, context)?;
         if moved > 0 {
             node.mesh = mesh.into();
             let within = within * node.transform.matrix3.determinant().abs().cbrt();
@@ -114,7 +127,7 @@ pub fn close_seams_of_scene(scene: &mut Scene) -> Vec<String> {
             ));
         }
     }
-    notes
+    Ok(notes)
 }
 
 #[cfg(test)]
@@ -138,10 +151,10 @@ mod tests {
     #[test]
     fn sides_within_the_tolerance_meet() {
         let mut near = squares(1e-9);
-        assert_eq!(close_seams(&mut near).0, 2);
+        assert_eq!(close_seams(&mut near, &Context::quiet()).unwrap().0, 2);
         assert_eq!(near.points().1, 6);
         let mut far = squares(1e-4);
-        assert_eq!(close_seams(&mut far).0, 0);
+        assert_eq!(close_seams(&mut far, &Context::quiet()).unwrap().0, 0);
         assert_eq!(far, squares(1e-4));
     }
 
@@ -196,11 +209,11 @@ mod tests {
             mesh.positions.extend(corners.map(|c| corner + c));
             mesh.triangles.push([first, first + 1, first + 2]);
         }
-        assert_eq!(close_seams(&mut mesh).0, 0);
+        assert_eq!(close_seams(&mut mesh, &Context::quiet()).unwrap().0, 0);
         mesh.positions[0].x = 1e30;
         let all = mesh.clone();
         // Corners of one triangle are not put together.
-        assert_eq!(close_seams(&mut mesh).0, 0);
+        assert_eq!(close_seams(&mut mesh, &Context::quiet()).unwrap().0, 0);
         assert_eq!(mesh, all);
     }
 
@@ -213,6 +226,6 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        assert_eq!(close_seams(&mut sliver).0, 0);
+        assert_eq!(close_seams(&mut sliver, &Context::quiet()).unwrap().0, 0);
     }
 }

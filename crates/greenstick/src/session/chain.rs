@@ -247,7 +247,8 @@ impl Chain {
         let another = spiral || sawn.is_some();
         let relief = self.relief((&found, &rings, p), requested, another, ids)?;
         let sound = if spiral {
-            let spiral = self.spiral((&found, &rings, p), requested, relief.factor, ids)?;
+            let with = (requested, relief.factor, context);
+            let spiral = self.spiral((&found, &rings, p), with, ids)?;
             changes.note(BreakStage::Stem, spiral.is_new);
             spiral
         } else {
@@ -333,8 +334,7 @@ impl Chain {
     fn spiral(
         &mut self,
         (found, rings, p): (&SlotValue<PreparedStem>, &StemRings, &BreakParameters),
-        requested: &Break,
-        relief: f64,
+        (requested, relief, context): (&Break, f64, &Context),
         ids: &mut Ids,
     ) -> Result<SlotValue<PreparedStem>, Error> {
         let layout = self.found_layout((found, rings), p, true, ids)?;
@@ -343,7 +343,7 @@ impl Chain {
         let grain = SpiralGrain::around(&found.value, p, heights.range);
         let (turn, between, per_level) = (grain.turn, grain.between, grain.per_level);
         self.spiral.get((found.id, grain), ids, |_| {
-            Ok((found.value).with_spiral_grain(turn, between, per_level))
+            Ok((found.value).with_spiral_grain(turn, between, per_level, context)?)
         })
     }
 

@@ -12,7 +12,7 @@ use greenstick_fracture::cracks::{
 use greenstick_fracture::layout::{FibreBundle, FibreBundles};
 use greenstick_fracture::parameters::BreakParameters;
 use greenstick_fracture::surface::{FractureSurface, NONE, SectionLayout};
-use greenstick_geometry::{Context, Mesh, mesh::NO_MATERIAL};
+use greenstick_geometry::{Cancelled, Context, Mesh, mesh::NO_MATERIAL};
 use greenstick_wood::noise;
 use greenstick_wood::stem::{
     CarriedShell, CrossSection, StemError, StemLocation, StemOptions, find_stem,
@@ -311,7 +311,7 @@ pub fn open_end(
     } else {
         Vec::new()
     };
-    let mut cracked = replace_shell(stem, made.mesh, &fallen);
+    let mut cracked = replace_shell(stem, made.mesh, &fallen, context)?;
     let usable = &mut cracked.found.stem.usable;
     usable.1 = usable.1.min(clear);
     Ok(OpenedEnd {
@@ -325,7 +325,12 @@ pub fn open_end(
 }
 
 /// The prepared stem with `mesh` in place of its shell, and without the shells that have `fallen`.
-fn replace_shell(stem: &PreparedStem, mut mesh: Mesh, fallen: &[CarriedShell]) -> PreparedStem {
+fn replace_shell(
+    stem: &PreparedStem,
+    mut mesh: Mesh,
+    fallen: &[CarriedShell],
+    context: &Context,
+) -> Result<PreparedStem, Cancelled> {
     let (mut scene, mut found) = (stem.scene.clone(), stem.found.clone());
     let node = found.node;
     let count = mesh.triangles.len() as u32;
@@ -359,6 +364,7 @@ fn replace_shell(stem: &PreparedStem, mut mesh: Mesh, fallen: &[CarriedShell]) -
                 .all(|&v| g.at(v as usize).iter().any(|x| *x != 0.0))
         })
     };
+    context.check()?;
     found.limb = (0..count)
         .filter(|&t| on_limb(&mesh.triangles[t as usize]))
         .collect();
@@ -373,7 +379,7 @@ fn replace_shell(stem: &PreparedStem, mut mesh: Mesh, fallen: &[CarriedShell]) -
         }
     }
     scene.nodes[node].mesh = mesh.into();
-    PreparedStem::from_found(scene, found, stem.layers.clone())
+    PreparedStem::from_found(scene, found, stem.layers.clone(), context)
 }
 
 /// Shells that hang on the stem beyond a saw that cuts at the length `level`, m: (node, its triangles).

@@ -157,8 +157,7 @@ impl<'a> Bend<'a> {
             let (straight, positions) = self.straight(mesh, &mut done, context)?;
             if done.remaining == 0 || last {
                 done.amount = self.amount;
-                context.check()?;
-                return Ok((self.bent(straight, positions), done));
+                return Ok((self.bent(straight, positions, context)?, done));
             }
             self.amount *= WEAKENING;
         }
@@ -244,7 +243,12 @@ impl<'a> Bend<'a> {
     }
 
     /// The mesh with its vertices moved to `positions` and their normals turned.
-    fn bent(&self, mesh: Mesh, positions: Vec<DVec3>) -> Mesh {
+    fn bent(
+        &self,
+        mesh: Mesh,
+        positions: Vec<DVec3>,
+        context: &Context,
+    ) -> Result<Mesh, Cancelled> {
         let mut bent = Mesh { positions, ..mesh };
         let straight = mesh.positions;
         let step = 1e-4 * self.radius / self.transform.matrix3.determinant().abs().cbrt();
@@ -253,6 +257,7 @@ impl<'a> Bend<'a> {
             self.map(beside).unwrap_or(beside) - to
         };
         for (i, place) in straight.into_iter().enumerate() {
+            context.check()?;
             let to = bent.positions[i];
             if to == place {
                 continue;
@@ -277,7 +282,7 @@ impl<'a> Bend<'a> {
             });
             turn("TANGENT", &|t| derivative(place, to, t));
         }
-        bent
+        Ok(bent)
     }
 }
 

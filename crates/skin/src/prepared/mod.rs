@@ -21,7 +21,7 @@ use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::repair::{self, KnownPositions};
-use greenstick_geometry::{Context, Node, Scene};
+use greenstick_geometry::{Cancelled, Context, Node, Scene};
 use greenstick_wood::appearance::{EndSection, WoodAppearance};
 use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
@@ -33,6 +33,9 @@ use std::sync::Arc;
 
 /// Length of the slices in which the depth of the skin is measured, radii.
 const DEPTH_STEP: f64 = 0.1;
+
+/// Triangles of a limb that are mapped between two checks for cancellation.
+const CHECK_INTERVAL: usize = 1 << 10;
 
 /// A scene with the stem found in it, and everything about the stem that no parameter of a break changes.
 #[derive(Debug, Clone)]
@@ -114,7 +117,8 @@ impl PreparedStem {
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
-        let seams = repair::close_seams_of_scene(&mut scene);
+        let seams = repair::close_seams_of_scene(&mut scene, context)?;
+        context.check()?;
         let (meshes, along) = (scene.world_meshes(), neighbours.along());
         let mut found = find_stem_along(&meshes, location, options, along, context)?;
         // What is left of a stem that was broken before is no whole rod; it stays what it was taken for.
@@ -137,24 +141,32 @@ impl PreparedStem {
         found.notes.splice(0..0, seams);
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
-        let mut prepared = PreparedStem::from_found(scene, found, layers);
+        let mut prepared = PreparedStem::from_found(scene, found, layers, context)?;
         neighbours.limit(&mut prepared.found);
         Ok(prepared)
     }
 
     /// Maps a stem that was found in a scene to grain space.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
     pub fn from_found(
         mut scene: Scene,
         mut found: FoundStem,
         layers: LayeredGrain,
-    ) -> PreparedStem {
+        context: &Context,
+    ) -> Result<PreparedStem, Cancelled> {
         let shell_triangles = found.shell.len();
         let transform = scene.nodes[found.node].transform;
         let mesh = std::mem::take(&mut scene.nodes[found.node].mesh);
         let mut mesh = Arc::unwrap_or_clone(mesh);
+        context.check()?;
         let (points, count) = mesh.points();
         let mut grain = vec![DVec3::NAN; count];
-        for &t in &found.limb {
+        for (i, &t) in found.limb.iter().enumerate() {
+            if i % CHECK_INTERVAL == 0 {
+                context.check()?;
+            }
             for v in mesh.triangles[t as usize] {
                 let p = points[v as usize] as usize;
                 if grain[p].is_nan() {
@@ -163,6 +175,7 @@ impl PreparedStem {
                 }
             }
         }
+        context.check()?;
         orientation::orient_outwards(&mut mesh, &points, &grain, &mut found);
         let mut splitter = LevelSplitter {
             mesh,
@@ -172,7 +185,9 @@ impl PreparedStem {
             split: 0,
             parts: SplitTriangles::default(),
         };
+        context.check()?;
         let new = splitter.split(&layers, &transform, &found);
+        context.check()?;
         found.limb = std::mem::take(&mut splitter.limb);
         found.shell.extend(new);
         let LevelSplitter {
@@ -194,13 +209,16 @@ impl PreparedStem {
             shell: &found.shell,
             limb: &found.limb,
         };
+        context.check()?;
         let skin = Skin::new(&solid, found.stem.usable);
+        context.check()?;
         let mut vertices = vec![0; grain.len()];
         for (vertex, &point) in points.iter().enumerate() {
             vertices[point as usize] = vertex as u32;
         }
+        context.check()?;
         let extent = SectionExtent::new(&found, &corners, &grain);
-        PreparedStem {
+        Ok(PreparedStem {
             square: extent::square_about(&found, extent.reach.0, &corners, &grain),
             extent,
             skin_triangles: (skin.order.iter().map(|&t| mesh.triangles[t as usize])).collect(),
@@ -221,18 +239,22 @@ impl PreparedStem {
             split,
             parts,
             measured: Measured::default(),
-        }
+        })
     }
 
     /// The same stem with grain that spirals about its axis by `turn` (rad per m) between two lengths (m), by `per_level` (rad)
     /// at most from one level to the next. The origin of the node that will be cut moves to the break: closely wound walls are
     /// parted by little more than the spacing of positions in files.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
     pub fn with_spiral_grain(
         &self,
         turn: f64,
         between: (f64, f64),
         per_level: f64,
-    ) -> PreparedStem {
+        context: &Context,
+    ) -> Result<PreparedStem, Cancelled> {
         let mut corners: Vec<f64> = self.grain.iter().map(|g| g.z).collect();
         corners.retain(|s| !s.is_nan());
         corners.sort_unstable_by(f64::total_cmp);
@@ -241,10 +263,10 @@ impl PreparedStem {
         let stem = &self.found.stem;
         let at = stem.grain.axis().frame(stem.location).origin;
         local_origin::move_origin(&mut scene.nodes[self.found.node], at);
-        let mut made = PreparedStem::from_found(scene, self.found.clone(), layers);
+        let mut made = PreparedStem::from_found(scene, self.found.clone(), layers, context)?;
         made.shell_triangles = self.shell_triangles;
         made.parts = made.parts.after(&self.parts);
-        made
+        Ok(made)
     }
 
     /// Returns what the wood of a recipe looks like in it.

@@ -55,14 +55,13 @@ pub(super) fn bake_images(
         })?;
     }
     context.report(1.0)?;
+    let encoded = |rgb: &[u8], srgb| {
+        context.check()?;
+        png(size, rgb, srgb)
+    };
     let (color, (normal, roughness)) = rayon::join(
-        || png(size, &color, true),
-        || {
-            rayon::join(
-                || png(size, &normal, false),
-                || png(size, &roughness, false),
-            )
-        },
+        || encoded(&color, true),
+        || rayon::join(|| encoded(&normal, false), || encoded(&roughness, false)),
     );
     Ok(WoodTextures {
         color: color?,

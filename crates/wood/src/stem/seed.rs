@@ -17,6 +17,7 @@ const WHOLE_EXTENT: f64 = 0.8;
 /// # Errors
 /// [`Cancelled`].
 pub(crate) fn main_stem(surface: &Surface, context: &Context) -> Result<Option<Trace>, Cancelled> {
+    context.check()?;
     let axes = PrincipalAxes::new(surface);
     // A stump with its roots is wider than high: the other directions count where the longest does not show it whole.
     let mut best: Option<Trace> = None;

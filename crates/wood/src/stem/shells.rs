@@ -136,6 +136,7 @@ impl WeldedMesh {
                 points.push(point);
             }
         }
+        context.check()?;
         let triangles = mesh
             .triangles
             .iter()

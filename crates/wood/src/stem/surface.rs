@@ -116,23 +116,24 @@ impl<'a> Surface<'a> {
             .map(|&i| mesh.triangles[i as usize])
             .collect();
         let bounds = |range: Range<usize>| {
+            context.check()?;
             let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
             for &c in triangles[range.clone()].iter().flatten() {
                 low = low.min(mesh.positions[c as usize]);
                 high = high.max(mesh.positions[c as usize]);
             }
-            Cell {
+            Ok(Cell {
                 middle: (low + high) * 0.5,
                 half: (high - low) * 0.5,
                 triangles: range,
-            }
+            })
         };
         let cells = starts
             .windows(2)
             .map(|w| w[0]..w[1])
             .filter(|range| !range.is_empty())
             .map(bounds)
-            .collect();
+            .collect::<Result<_, Cancelled>>()?;
         Ok(Surface {
             positions: &mesh.positions,
             triangles,
