@@ -379,8 +379,8 @@ struct Bundles { shade: f32, gap: f32, tone: f32, slope: vec2<f32> };
 fn bundles_at(place: vec3<f32>, facing: vec2<f32>, footprint: f32) -> Bundles {
     var widths = array<f32, 3>(1.1e-3, 0.42e-3, 0.15e-3);
     var stretches = array<f32, 3>(64.0, 70.0, 100.0);
-    var shares = array<f32, 3>(0.13, 0.19, 0.20);
-    var tilts = array<f32, 3>(0.15, 0.20, 0.20);
+    var shares = array<f32, 3>(0.17, 0.25, 0.21);
+    var tilts = array<f32, 3>(0.26, 0.30, 0.24);
     var tones = array<f32, 3>(0.75, 0.65, 0.0);
     let turn = mat2x2<f32>(0.8253356, 0.5646425, -0.5646425, 0.8253356);
     let flat = turn * place.xy;
@@ -467,7 +467,7 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
     if (wood.edges.z > 0.0) {
         let wander = noise(wood.seed.x ^ 0x48u, place / vec3<f32>(0.4, 0.4, 10.0) / radius).w;
         let edge = wood.edges.z + 0.07 * wander;
-        heart = 1.0 - smoothstep(edge - 0.035, edge + 0.025, rho);
+        heart = 1.0 - smoothstep(edge - 0.075, edge + 0.055, rho);
     }
     var color = mix(wood.sapwood.rgb, wood.heartwood.rgb, heart);
     color *= tint_at(place, rho, bundles.tone);

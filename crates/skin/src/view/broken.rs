@@ -20,10 +20,12 @@ const OPENED_DISTANCE: f64 = 1.2;
 const ELEVATION: f64 = 0.5;
 /// Ratio of the sides of a section from which on it is flat.
 const FLAT: f64 = 2.2;
-/// How steeply the opened break of a flat stem is looked down on, rad, and how far its upper piece lies behind the lower one, in
-/// heights of the face that hide each other.
-const FLAT_ELEVATION: f64 = 0.7;
-const FLAT_DISTANCE: f64 = 0.8;
+/// How steeply the opened break of a flat stem, which lies on its broad side, is looked down on, and how far the camera is turned
+/// towards the lower face, rad.
+const FLAT_ELEVATION: f64 = 0.75;
+const FLAT_TURN: f64 = 0.45;
+/// How far its upper piece is moved along the grain: as a part of the face's height, and in radii.
+const FLAT_DISTANCE: (f64, f64) = (0.45, 0.35);
 /// Elevation of the camera over a break that hangs open, and its turn from the side, rad.
 const HANGING_ELEVATION: f64 = 0.22;
 const HANGING_TURN: f64 = 0.45;
@@ -176,44 +178,52 @@ impl BreakView<'_> {
         let end = depths[(STUB_QUANTILE * (depths.len() - 1) as f64) as usize].max(0.0) + stub;
         let end = if piece.is_upper { end } else { -end };
         let at = self.stem.grain.axis().frame(self.stem.location + end);
-        let reach = 0.5 * self.width;
-        let middle = self.section_middle(piece, at_rest);
         let sides = match self.long_side {
-            Some(long) => [long, -long, DVec3::ZERO, DVec3::ZERO],
-            None => [at.x, at.y, -at.x, -at.y],
+            Some(long) => self.flat_sides(piece, at_rest, long),
+            None => [at.x, at.y, -at.x, -at.y].map(|side| side * (0.5 * self.width)),
         };
-        sides.map(|side| moved.transform_point3(at.origin + middle + side * reach))
+        sides.map(|side| moved.transform_point3(at.origin + side))
     }
 
-    /// Returns the way from the axis to the middle of the section of a flat piece; none where it is not flat.
-    fn section_middle(&self, piece: &ViewedPiece, at_rest: &DAffine3) -> DVec3 {
-        let Some(long) = self.long_side else {
-            return DVec3::ZERO;
-        };
+    /// Returns the way from the axis to the corners of the section of a flat piece, whose long side has a direction.
+    fn flat_sides(&self, piece: &ViewedPiece, at_rest: &DAffine3, long: DVec3) -> [DVec3; 4] {
         let origin = self.frame().origin;
-        let face = (piece.node.mesh.triangles.iter().enumerate())
-            .filter(|(t, _)| piece.node.mesh.materials.get(*t) == Some(&self.material))
-            .flat_map(|(_, corners)| corners)
-            .map(|&v| {
-                (at_rest.transform_point3(piece.node.mesh.positions[v as usize]) - origin).dot(long)
-            });
-        let (low, high) = face.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-            (l.min(x), h.max(x))
-        });
-        if low > high {
-            return DVec3::ZERO;
+        let short = self.frame().tangent.cross(long);
+        let mesh = &piece.node.mesh;
+        let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
+        let face = (mesh.triangles.iter().enumerate())
+            .filter(|(t, _)| mesh.materials.get(*t) == Some(&self.material))
+            .flat_map(|(_, corners)| corners);
+        for &v in face {
+            let off = at_rest.transform_point3(mesh.positions[v as usize]) - origin;
+            let off = DVec2::new(off.dot(long), off.dot(short));
+            (low, high) = (low.min(off), high.max(off));
         }
-        long * ((low + high) / 2.0)
+        if low.x > high.x {
+            return [DVec3::ZERO; 4];
+        }
+        [
+            (low.x, low.y),
+            (high.x, low.y),
+            (high.x, high.y),
+            (low.x, high.y),
+        ]
+        .map(|(x, y)| long * x + short * y)
     }
 
     /// Returns how a camera looks at the opened break, or at one whose upper piece hangs on a hinge of this direction.
     pub fn sight(&self, hinge: Option<DVec3>) -> Sight {
         let frame = self.frame();
+        let mut up = frame.tangent;
         let (direction, elevation) = match hinge {
             // Both faces look up, seen along the frame's y: they stand next to each other along its x, which runs to the right.
             None => match self.long_side {
-                // One behind the other, each seen from its broad side.
-                Some(long) => (frame.tangent.cross(long), FLAT_ELEVATION),
+                // Both lie on their broad sides, with the grain to the right.
+                Some(long) => {
+                    up = frame.tangent.cross(long);
+                    let (sin, cos) = libm::sincos(FLAT_TURN);
+                    (long * cos - frame.tangent * sin, FLAT_ELEVATION)
+                }
                 None => (frame.y, ELEVATION),
             },
             // Nearly along the hinge, from the side that opened.
@@ -224,14 +234,14 @@ impl BreakView<'_> {
             }
         };
         Sight {
-            up: frame.tangent,
+            up,
             direction,
             elevation,
         }
     }
 
     /// Returns a broken scene, whose nodes have these roles, with the upper piece turned over and set beside the lower, both
-    /// faces up, however far they were moved apart.
+    /// faces up, however far they were moved apart. Flat pieces lie on their broad sides, in a line.
     pub fn opened(&self, broken: &Scene, roles: &[NodeRole]) -> Scene {
         let about = self.opening() * upper_motion(broken, roles).inverse();
         let mut scene = broken.clone();
@@ -256,22 +266,18 @@ impl BreakView<'_> {
         [middle, self.opening().transform_point3(middle)]
     }
 
-    /// Returns the map that turns the upper piece over and sets it beside the lower, so that both faces look up.
+    /// Returns the map that turns the upper piece over and sets it beside the lower, so that both faces look up; a flat one is moved
+    /// along the grain.
     fn opening(&self) -> DAffine3 {
         let frame = self.frame();
         let [low, high] = self.range;
+        if self.long_side.is_some() {
+            let away = FLAT_DISTANCE.0 * (high - low) + FLAT_DISTANCE.1 * self.stem.radius;
+            return DAffine3::from_translation(frame.tangent * away);
+        }
         let centre = frame.origin + frame.tangent * ((low + high) / 2.0);
-        let (about, aside) = match self.long_side {
-            Some(long) => {
-                let hidden = FLAT_DISTANCE * (high - low) / libm::tan(FLAT_ELEVATION);
-                (
-                    long,
-                    frame.tangent.cross(long) * (hidden + self.stem.radius),
-                )
-            }
-            None => (frame.y, frame.x * (OPENED_DISTANCE * self.width)),
-        };
-        let turn = DAffine3::from_axis_angle(about, std::f64::consts::PI);
+        let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
+        let aside = frame.x * (OPENED_DISTANCE * self.width);
         DAffine3::from_translation(centre + aside) * turn * DAffine3::from_translation(-centre)
     }
 }

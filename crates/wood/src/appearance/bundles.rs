@@ -30,9 +30,9 @@ const fn bundle(width: f64, stretch: f64, share: f64, tilt: f64) -> BundleSize {
 
 /// Slivers, bundles and strands.
 const SIZES: [BundleSize; 3] = [
-    bundle(1.1e-3, 64.0, 0.13, 0.15),
-    bundle(0.42e-3, 70.0, 0.19, 0.20),
-    bundle(0.15e-3, 100.0, 0.20, 0.20),
+    bundle(1.1e-3, 64.0, 0.17, 0.26),
+    bundle(0.42e-3, 70.0, 0.25, 0.30),
+    bundle(0.15e-3, 100.0, 0.21, 0.24),
 ];
 /// How far a boundary lies from its mean place at most, in widths: nearly half, so that some bundles vanish and others are wide.
 const WANDER: f64 = 0.47;

@@ -57,7 +57,7 @@ const MEAN_VESSEL: f64 = 0.22;
 const VESSEL_LENGTH_DIAMETERS: f64 = 130.0;
 /// How far the edge of the heartwood wanders, and how far it can lie from its mean, in ring coordinates.
 const HEARTWOOD_WANDER: f64 = 0.07;
-const MAX_HEARTWOOD_SHIFT: f64 = 0.13;
+const MAX_HEARTWOOD_SHIFT: f64 = 0.15;
 
 // Purposes in the hash: each figure has its own numbers.
 const STREAK: u64 = 0x53;
@@ -199,7 +199,7 @@ impl WoodAppearance {
             .gradient(HEARTWOOD_NOISE, seed, place * scale, period)
             .0;
         let edge = self.heartwood + HEARTWOOD_WANDER * wander;
-        1.0 - smoothstep(edge - 0.035, edge + 0.025, at.rho)
+        1.0 - smoothstep(edge - 0.075, edge + 0.055, at.rho)
     }
 
     /// How deep a point lies in a vessel, 0 to 1: a dot across the grain, a groove along it.
