@@ -123,8 +123,6 @@ const FORKS: usize = 5;
 const MAX_FORKS: usize = 4000;
 /// How many times as large the span of a board's rings and rays counts at most.
 const MAX_SPANS: f64 = 8.0;
-/// Share of the slivers of its section that a board has: it parts in few, long ones.
-const BOARD_SLIVERS: f64 = 0.5;
 /// Greatest length of such a part over its width.
 const FORK_SLENDERNESS: f64 = 7.0;
 /// Shares of the sides of slivers along rings and along rays that have a cleft, its width, radii, and the greatest part of a
@@ -197,15 +195,7 @@ impl TornEnds {
         let count = |count: usize, factor: f64| (count as f64 * factor).round() as usize;
         let (slabs, slivers) = (
             count(key.slabs, spans.sqrt().sqrt()),
-            count(
-                key.slivers,
-                spans
-                    * if span.phi.is_some() {
-                        BOARD_SLIVERS
-                    } else {
-                        1.0
-                    },
-            ),
+            count(key.slivers, spans),
         );
         let mut ends = TornEnds {
             layout: bundles.layout.clone(),

@@ -36,6 +36,9 @@ const PLATE_SLANT: f64 = 0.3;
 const SLANT: f64 = 6.0;
 const CRUMBS: f64 = 1.5;
 const STRIP_SHARE: f64 = 0.55;
+/// Greatest distance from the wood, radii, at which bark is as much higher as its slope says: nodes beyond the skin of a section that is
+/// not round lie far off.
+const THICKEST: f64 = 0.1;
 
 impl Strips {
     pub fn new(p: &BreakParameters) -> Strips {
@@ -147,7 +150,7 @@ fn torn_outline(kind: f64, v: f64) -> f64 {
     }
 }
 
-/// Returns how far each node beyond the bark lies outside of the wood, radii, and 0 for all others.
+/// Returns how far each node beyond the bark lies outside of the wood, radii, as far as that counts, and 0 for all others.
 pub(crate) fn thickness(bundles: &FibreBundles, (pith, radius): (DVec2, f64)) -> Vec<f64> {
     let layout = &bundles.layout;
     let mut thick = vec![0.0; layout.nodes.len()];
@@ -161,7 +164,8 @@ pub(crate) fn thickness(bundles: &FibreBundles, (pith, radius): (DVec2, f64)) ->
         let inside = facet.iter().filter(|&&n| !is_beyond(n));
         let inside = inside.fold(0.0, |most: f64, &n| most.max(from_pith(n)));
         for &n in facet.iter().filter(|&&n| is_beyond(n) && inside > 0.0) {
-            thick[n as usize] = (from_pith(n) - inside).max(thick[n as usize]);
+            let from_wood = (from_pith(n) - inside).min(THICKEST);
+            thick[n as usize] = from_wood.max(thick[n as usize]);
         }
     }
     thick

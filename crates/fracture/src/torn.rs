@@ -105,7 +105,7 @@ const FOLD_STEPS: f64 = 0.3;
 const CLEFT_OF_SLABS: f64 = 0.5;
 const CLEFT_OF_SLIVERS: f64 = 1.1;
 /// Height of the plates of brittle wood over that of its steps.
-const PLATE_HEIGHT: f64 = 0.2;
+const PLATE_HEIGHT: f64 = 0.1;
 /// How much less rough they are than short breaks of wood that splinters, and how much lower fibres and steps stand out of them.
 const PLATE_SMOOTHNESS: f64 = 0.9;
 const PLATE_SHARPNESS: f64 = 0.85;
@@ -119,8 +119,8 @@ const SHORTEST: f64 = 0.75;
 const BOARD_OWN_SHARE: f64 = 0.9;
 const BOARD_SHORTEST: f64 = 0.35;
 /// How much longer the slivers of a board are, and how much deeper the clefts between them.
-const BOARD_SLIVERS: f64 = 1.5;
-const BOARD_CLEFTS: f64 = 1.8;
+const BOARD_SLIVERS: f64 = 1.3;
+const BOARD_CLEFTS: f64 = 1.3;
 /// How much the slabs of a board slant over those of a stem: they are narrow against its width.
 const BOARD_SLANT: f64 = 0.5;
 /// How far strands of a sliver's tip end before it, and how far out of it, over the height of its outline.

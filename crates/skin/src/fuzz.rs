@@ -35,7 +35,7 @@ const TORN_STUBS: f64 = 1.5e6;
 const STRAPS: f64 = 8e5;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1: of hairs, and of each kind where pieces are apart.
 const MAX_SHARE: f64 = 0.6;
-const MAX_SHARES_APART: [f64; 4] = [0.2, 0.14, 0.3, 0.06];
+const MAX_SHARES_APART: [f64; 4] = [0.2, 0.14, 0.3, 0.12];
 /// Mean number of triangles of each kind of strand (of a sliver, of all its laths), by which they are thinned out where they would be
 /// too many.
 const MEAN_TRIANGLES: [f64; 4] = [12.5, 18.0, 6.5, 20.0];

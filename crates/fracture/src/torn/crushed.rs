@@ -12,14 +12,14 @@ const FOLD_WIDTH: f64 = 0.17;
 pub(super) const FOLD_HEIGHT: f64 = 0.4;
 pub(super) const CRUSHED_ROUGHNESS: f64 = 0.14;
 /// Height of the terraces of crushed wood over the compression height, and of brittle wood over that of its steps.
-const CRUSHED_TERRACES: f64 = 4.0;
+const CRUSHED_TERRACES: f64 = 3.0;
 pub(super) const BRITTLE_TERRACES: f64 = 1.7;
 /// What terraces are made of: clumps as large as slivers and as their parts, and steps from ring to ring, of crushed and of brittle
 /// wood.
-const CLUMPS: (f64, f64) = (0.6, 0.4);
-pub(super) const RING_STEPS: (f64, f64) = (0.8, 0.35);
+const CLUMPS: (f64, f64) = (0.7, 0.15);
+pub(super) const RING_STEPS: (f64, f64) = (0.15, 0.05);
 /// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
-const CRUSHED_PARTS: f64 = 0.4;
+const CRUSHED_PARTS: f64 = 0.1;
 const CRUSHED_BUNDLES: f64 = 0.06;
 /// Heights of the ends of crushed bundles, in compression heights: of most, and of those that stand out.
 const CRUSHED_BLADE: (f64, f64) = (0.08, 0.3);
