@@ -38,7 +38,7 @@ const CRUMBS: f64 = 1.5;
 const STRIP_SHARE: f64 = 0.55;
 /// Greatest distance from the wood, radii, at which bark is as much higher as its slope says: nodes beyond the skin of a section that is
 /// not round lie far off.
-const THICKEST: f64 = 0.1;
+const THICKEST: f64 = 0.2;
 
 impl Strips {
     pub fn new(p: &BreakParameters) -> Strips {

