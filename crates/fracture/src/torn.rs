@@ -16,7 +16,6 @@ use crate::height_model::{HeightModel, NoiseSamplers, unit};
 use crate::layout::{FibreBundle, FibreBundles};
 use crate::parameters::ZoneParameters;
 use crate::plates::brittleness;
-use crushed::{BRITTLE_TERRACES, CRUSHED_ROUGHNESS, FOLD_HEIGHT, RING_STEPS};
 use glam::DVec2;
 use greenstick_wood::noise;
 use greenstick_wood::tissue::Zone;
@@ -97,6 +96,13 @@ const LAYER_SLIVERS: f64 = 0.09;
 const LAYER_ROOT: f64 = 0.04;
 const LAYER_RUN_OUT: f64 = 0.055;
 const LAYER_SHARE: f64 = 0.6;
+/// Height of the folds over the compression height, and how rough crushed wood is beside them.
+const FOLD_HEIGHT: f64 = 0.4;
+const CRUSHED_ROUGHNESS: f64 = 0.14;
+/// Height of the terraces of brittle wood over that of its steps.
+const BRITTLE_TERRACES: f64 = 1.7;
+/// Height of steps from ring to ring in terraces of crushed and of brittle wood.
+const RING_STEPS: (f64, f64) = (0.15, 0.05);
 /// How much of the noise of torn wood crushed wood has, and how much of a fold's height a bundle has from its middle: fibres that
 /// broke beside each other are no rounded hill.
 const CRUSHED_NOISE: f64 = 0.25;

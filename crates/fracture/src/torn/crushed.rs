@@ -1,6 +1,6 @@
 //! Wood that broke across: the folds of crushed wood, and the terraces in which crushed and brittle wood ends.
 
-use super::{TornRelief, heavy};
+use super::{RING_STEPS, TornRelief, heavy};
 use crate::ends::TornEnd;
 use crate::height_model::purpose;
 use glam::DVec2;
@@ -8,16 +8,10 @@ use greenstick_wood::noise;
 
 /// Width of the folds of crushed wood, radii, at most: with the usual heights their sides lie at 45° to 60° to the grain.
 const FOLD_WIDTH: f64 = 0.17;
-/// Height of the folds over the compression height, and how rough crushed wood is beside them.
-pub(super) const FOLD_HEIGHT: f64 = 0.4;
-pub(super) const CRUSHED_ROUGHNESS: f64 = 0.14;
-/// Height of the terraces of crushed wood over the compression height, and of brittle wood over that of its steps.
+/// Height of the terraces of crushed wood over the compression height.
 const CRUSHED_TERRACES: f64 = 3.0;
-pub(super) const BRITTLE_TERRACES: f64 = 1.7;
-/// What terraces are made of: clumps as large as slivers and as their parts, and steps from ring to ring, of crushed and of brittle
-/// wood.
+/// What terraces are made of beside steps from ring to ring: clumps as large as slivers and as their parts.
 const CLUMPS: (f64, f64) = (0.7, 0.15);
-pub(super) const RING_STEPS: (f64, f64) = (0.15, 0.05);
 /// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
 const CRUSHED_PARTS: f64 = 0.1;
 const CRUSHED_BUNDLES: f64 = 0.06;
