@@ -1,6 +1,7 @@
 //! The part of the torn ends of fibre bundles that does not depend on heights: the slab and the sliver of each, the outlines
 //! that run over it, and its random numbers. It is made once for a layout and cached for the next break.
 
+use crate::board::{BoardSection, ring_unit};
 use crate::height_model::{NoiseSamplers, purpose, unit};
 use crate::layout::{FibreBundle, FibreBundles, wrap_angle};
 use crate::outline;
@@ -8,7 +9,7 @@ use crate::parameters::BreakParameters;
 use crate::plates::{Plate, brittleness};
 use crate::rays::Rays;
 use crate::slabs::{SectionPartition, SectionSpan, Slabs};
-use crate::strips::Strips;
+use crate::strips::{self as bark, Strips};
 use crate::surface::{NONE, SectionLayout};
 use glam::DVec2;
 use greenstick_wood::noise;
@@ -34,8 +35,8 @@ pub(crate) struct TornEnds {
     layout: Arc<SectionLayout>,
     key: Key,
     pub pith: DVec2,
-    /// Middle of the section and half its width (m), for sections without a pith in them.
-    board: Option<(DVec2, f64)>,
+    /// For sections without a pith in them.
+    board: Option<BoardSection>,
     /// Radii in a unit of the ring coordinate, whose origin is the pith of the log that a board was cut from.
     pub ring_unit: f64,
     rays: Rays,
@@ -113,6 +114,8 @@ pub(crate) struct EndNode {
     pub own_outline: f64,
     /// Raggedness of the bundle's own end.
     pub raggedness: f64,
+    /// Height of torn bark here over its inner edge, radii.
+    pub outward: f64,
 }
 
 /// How many parts a sliver splits into towards its tip, on average, and the most of all slivers.
@@ -181,7 +184,9 @@ impl TornEnds {
             (None, Some(&node)) => node,
             _ => key.pith,
         };
-        let ring_unit = span.phi.map_or(1.0, |_| ring_unit(bundles, &key));
+        let ring_unit = span
+            .phi
+            .map_or(1.0, |_| ring_unit(bundles, (key.radius, key.pith)));
         // Counts are those of the section, which takes a part of the span of its rings and rays.
         let spans = match span.phi {
             Some(_) => (span.area() * ring_unit * ring_unit / PI).clamp(1.0, MAX_SPANS),
@@ -196,7 +201,7 @@ impl TornEnds {
             layout: bundles.layout.clone(),
             key,
             pith,
-            board: span.phi.map(|_| middle_of(bundles)),
+            board: span.phi.map(|_| BoardSection::new(bundles)),
             ring_unit,
             rays: Rays::new(&span),
             slabs: Slabs::new(&span, slabs, key.seed),
@@ -248,8 +253,15 @@ impl TornEnds {
 
     /// Returns a point (`unit` in ring coordinates, `at` in m) in the coordinates of the compression shelf.
     pub fn shelf_coordinates(&self, unit: DVec2, at: DVec2) -> DVec2 {
-        self.board
-            .map_or(unit, |(middle, half)| (at - middle) / half)
+        let in_board = |board: &BoardSection| board.across_width(at);
+        self.board.as_ref().map_or(unit, in_board)
+    }
+
+    /// Returns how far a point (m) lies through the thickness of a board, −1 on one face and 1 on that to which `tension` points: boards
+    /// bend flat. `None` where the pith is in the section.
+    pub fn across_board(&self, at: DVec2, tension: DVec2) -> Option<f64> {
+        let board = self.board.as_ref()?;
+        Some(board.through(at, tension))
     }
 
     fn end(&self, bundles: &FibreBundles, index: usize, noises: &mut NoiseSamplers) -> TornEnd {
@@ -358,6 +370,7 @@ impl TornEnds {
             .zip(&bundles.directions)
             .map(|(&(rho, _), &direction)| self.roughness(direction * rho))
             .collect();
+        let thick = bark::thickness(bundles, (self.pith, self.key.radius));
         // Facets of a bundle follow each other, so a node's last number is most often the right one.
         let mut last = vec![(NONE, 0); bundles.layout.nodes.len()];
         let facets = bundles.layout.facets.iter();
@@ -367,7 +380,7 @@ impl TornEnds {
                 let known = &mut last[n as usize];
                 if known.0 != cell {
                     *known = (cell, end_nodes.len() as u32);
-                    let at = (rays[n as usize], rough[n as usize]);
+                    let at = (rays[n as usize], rough[n as usize], thick[n as usize]);
                     end_nodes.push(self.end_node(bundles, (cell, n), at));
                 }
                 known.1
@@ -389,7 +402,7 @@ impl TornEnds {
         &self,
         bundles: &FibreBundles,
         (cell, node): (u32, u32),
-        (wandered, rough): (f64, f64),
+        (wandered, rough, thick): (f64, f64, f64),
     ) -> EndNode {
         let bundle: &FibreBundle = &bundles.bundles[cell as usize];
         let end = &self.bundles[cell as usize];
@@ -404,6 +417,7 @@ impl TornEnds {
             plate: 0.0,
             own_outline: 0.0,
             raggedness: 0.0,
+            outward: 0.0,
         };
         if bundle.bark {
             let shared_outline = self
@@ -411,6 +425,11 @@ impl TornEnds {
                 .edge((end.strip as usize, end.plate as usize), phi);
             return EndNode {
                 shared_outline,
+                outward: bark::outward(
+                    seed(self.key.seed, purpose::BARK_SLANT),
+                    (end.strip, end.plate),
+                    (node, thick),
+                ),
                 ..none
             };
         }
@@ -448,29 +467,4 @@ impl TornEnds {
 
 fn seed(seed: u64, purpose: u64) -> u64 {
     seed ^ purpose << 20
-}
-
-/// Returns how many radii are in a unit of the ring coordinate of a board, whose rings are arcs.
-fn ring_unit(bundles: &FibreBundles, key: &Key) -> f64 {
-    let nodes = bundles.layout.nodes.iter().zip(&bundles.addresses);
-    // Those beyond the skin lie farther out than their coordinates say.
-    let near = nodes.min_by(|a, b| a.1.0.total_cmp(&b.1.0));
-    near.map_or(1.0, |(node, address)| {
-        node.distance(key.pith) / (key.radius * address.0.max(1e-9))
-    })
-}
-
-/// Returns the middle of the section's bundles and half their extent, m.
-fn middle_of(bundles: &FibreBundles) -> (DVec2, f64) {
-    let tips = || {
-        let known = bundles.tips.iter().filter(|&&t| t != NONE);
-        known.map(|&t| bundles.layout.nodes[t as usize])
-    };
-    let (low, high) = tips().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| {
-        (l.min(p), h.max(p))
-    });
-    (
-        (low + high) / 2.0,
-        ((high - low).max_element() / 2.0).max(1e-9),
-    )
 }

@@ -24,6 +24,7 @@ pub(crate) mod purpose {
     pub const FIBRE: u64 = 0xf1b3;
     pub const STEP: u64 = 0x57e9;
     pub const BARK: u64 = 0xba4c;
+    pub const BARK_SLANT: u64 = 0xba51;
     pub const SHELF: u64 = 0x54e1;
     pub const WANDER: u64 = 0x3a4d;
     pub const PLATE: u64 = 0x71a7;

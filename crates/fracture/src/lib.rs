@@ -1,6 +1,7 @@
 //! Procedural fracture: break surfaces in wood, cracks, and cutting a mesh along them.
 #![deny(missing_docs)]
 
+mod board;
 pub mod cracks;
 pub mod cut;
 mod ends;

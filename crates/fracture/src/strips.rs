@@ -1,6 +1,7 @@
 //! Strips of bark: bark tears along its furrows, each strip at a height of its own, some peeled back and some standing
 //! over the wood as flaps.
 
+use crate::layout::FibreBundles;
 use crate::parameters::BreakParameters;
 use glam::DVec2;
 use greenstick_wood::noise;
@@ -31,6 +32,13 @@ const PLATE_SHARE: f64 = 0.55;
 /// By how much plates beside each other differ, and by how much one is higher on one side than on the other, at most.
 const PLATE_STEP: f64 = 0.1;
 const PLATE_SLANT: f64 = 0.3;
+/// Greatest slope of torn bark outwards, by how much that of single places differs, and how much of it the plates of a strip share.
+const SLANT: f64 = 6.0;
+const CRUMBS: f64 = 1.5;
+const STRIP_SHARE: f64 = 0.55;
+/// Greatest distance from the wood, radii, at which bark is as much higher as its slope says: nodes beyond the skin of a section that is
+/// not round lie far off.
+const THICKEST: f64 = 0.2;
 
 impl Strips {
     pub fn new(p: &BreakParameters) -> Strips {
@@ -140,6 +148,38 @@ fn torn_outline(kind: f64, v: f64) -> f64 {
         let valley = 0.8 * (rest - 0.5);
         (v - valley).abs() / (1.0 + valley.abs())
     }
+}
+
+/// Returns how far each node beyond the bark lies outside of the wood, radii, as far as that counts, and 0 for all others.
+pub(crate) fn thickness(bundles: &FibreBundles, (pith, radius): (DVec2, f64)) -> Vec<f64> {
+    let layout = &bundles.layout;
+    let mut thick = vec![0.0; layout.nodes.len()];
+    let outermost = (bundles.addresses.iter()).fold(0.0, |most: f64, a| most.max(a.0));
+    let is_beyond = |n: u32| bundles.addresses[n as usize].0 == outermost;
+    let from_pith = |n: u32| layout.nodes[n as usize].distance(pith) / radius;
+    for (facet, &cell) in layout.facets.iter().zip(&layout.cells) {
+        if !bundles.bundles[cell as usize].bark {
+            continue;
+        }
+        let inside = facet.iter().filter(|&&n| !is_beyond(n));
+        let inside = inside.fold(0.0, |most: f64, &n| most.max(from_pith(n)));
+        for &n in facet.iter().filter(|&&n| is_beyond(n) && inside > 0.0) {
+            let from_wood = (from_pith(n) - inside).min(THICKEST);
+            thick[n as usize] = from_wood.max(thick[n as usize]);
+        }
+    }
+    thick
+}
+
+/// Returns how much higher the torn bark of a plate of a strip is at a node `thick` (radii) outside of the wood than next to the wood.
+/// Bark breaks on the slant: one half shows its thickness, the other overhangs.
+pub(crate) fn outward(seed: u64, (strip, plate): (u32, u32), (node, thick): (u32, f64)) -> f64 {
+    if thick == 0.0 {
+        return 0.0;
+    }
+    let even = |a: u32, what: i64| 2.0 * noise::unit(seed, i64::from(a), what, 0) - 1.0;
+    let slant = STRIP_SHARE * even(strip, 0) + (1.0 - STRIP_SHARE) * even(plate, 1);
+    (SLANT * slant + CRUMBS * even(node, 2)) * thick
 }
 
 #[cfg(test)]

@@ -7,11 +7,12 @@
 
 mod added;
 mod bark;
+mod crushed;
 mod shards;
 
 use crate::ends::{EndNode, TornEnd, TornEnds};
 use crate::field::HeightField;
-use crate::height_model::{HeightModel, NoiseSamplers, purpose, unit};
+use crate::height_model::{HeightModel, NoiseSamplers, unit};
 use crate::layout::{FibreBundle, FibreBundles};
 use crate::parameters::ZoneParameters;
 use crate::plates::brittleness;
@@ -95,27 +96,22 @@ const LAYER_SLIVERS: f64 = 0.09;
 const LAYER_ROOT: f64 = 0.04;
 const LAYER_RUN_OUT: f64 = 0.055;
 const LAYER_SHARE: f64 = 0.6;
-/// Width of the folds of crushed wood, radii, at most: with the usual heights their sides lie at 45° to 60° to the grain.
-const FOLD_WIDTH: f64 = 0.17;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
-const FOLD_HEIGHT: f64 = 1.4;
+const FOLD_HEIGHT: f64 = 0.4;
 const CRUSHED_ROUGHNESS: f64 = 0.14;
+/// Height of the terraces of brittle wood over that of its steps.
+const BRITTLE_TERRACES: f64 = 1.7;
+/// Height of steps from ring to ring in terraces of crushed and of brittle wood.
+const RING_STEPS: (f64, f64) = (0.15, 0.05);
 /// How much of the noise of torn wood crushed wood has, and how much of a fold's height a bundle has from its middle: fibres that
 /// broke beside each other are no rounded hill.
 const CRUSHED_NOISE: f64 = 0.25;
 const FOLD_STEPS: f64 = 0.3;
-/// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
-const CRUSHED_PARTS: f64 = 0.4;
-const CRUSHED_BUNDLES: f64 = 0.06;
-/// Heights of the ends of crushed bundles, in compression heights: of most, and of those that stand out.
-const CRUSHED_BLADE: (f64, f64) = (0.2, 0.6);
-/// Part of a fold's width over which it rises: fibres lean over to one side and break off on the other.
-const FOLD_RISE: f64 = 0.72;
 /// Depth of the deepest clefts between slivers over the heights by which slabs and slivers differ.
 const CLEFT_OF_SLABS: f64 = 0.5;
 const CLEFT_OF_SLIVERS: f64 = 1.1;
 /// Height of the plates of brittle wood over that of its steps.
-const PLATE_HEIGHT: f64 = 0.6;
+const PLATE_HEIGHT: f64 = 0.1;
 /// How much less rough they are than short breaks of wood that splinters, and how much lower fibres and steps stand out of them.
 const PLATE_SMOOTHNESS: f64 = 0.9;
 const PLATE_SHARPNESS: f64 = 0.85;
@@ -128,6 +124,9 @@ const SHORTEST: f64 = 0.75;
 /// The same in a board, whose slabs are as thick as it is: with slivers like treads of a stair they would be blocks.
 const BOARD_OWN_SHARE: f64 = 0.9;
 const BOARD_SHORTEST: f64 = 0.35;
+/// How much longer the slivers of a board are, and how much deeper the clefts between them.
+const BOARD_SLIVERS: f64 = 1.3;
+const BOARD_CLEFTS: f64 = 1.3;
 /// How much the slabs of a board slant over those of a stem: they are narrow against its width.
 const BOARD_SLANT: f64 = 0.5;
 /// How far strands of a sliver's tip end before it, and how far out of it, over the height of its outline.
@@ -135,6 +134,8 @@ const STRANDS_BACK: f64 = 0.45;
 const STRANDS_OUT: f64 = 0.35;
 /// Share of the strands that do not end out of it.
 const LATE_STRANDS: f64 = 0.88;
+/// Height of the tongues of bark from which on it breaks fully on the slant, radii.
+const SLANTED_BARK: f64 = 0.5;
 /// Greatest length of a blade over its width.
 const MAX_SLENDERNESS: f64 = 9.0;
 
@@ -173,9 +174,12 @@ impl<'a> TornRelief<'a> {
     /// Returns the distance of a point from the edge of the compression shelf, radii; below 0 on the shelf. `ragged` is the
     /// raggedness of the edge there.
     fn distance_to_shelf(&self, ragged: f64, unit: DVec2, at: DVec2) -> f64 {
-        let place = self.ends.shelf_coordinates(unit, at);
-        let ragged = 0.16 * ragged;
-        place.dot(self.model.tension) + 1.0 - 2.0 * self.model.p.compression_shelf + ragged
+        let tension = self.model.tension;
+        let place = match self.ends.across_board(at, tension) {
+            Some(across) => across,
+            None => unit.dot(tension),
+        };
+        place + 1.0 - 2.0 * self.model.p.compression_shelf + 0.16 * ragged
     }
 
     /// Returns how much of a bundle is torn rather than crushed, 0 to 1.
@@ -330,7 +334,9 @@ impl<'a> TornRelief<'a> {
         // Both halves keep their splinters: every other slab tears downwards.
         let up = if slab.height > 0.0 { 1.0 } else { -1.0 };
         // Short ones are common, long ones rare.
-        let length = p.sliver_height * relief * torn * slab.splinters * (long * long * long);
+        let (longer, deeper) = self.of_board();
+        let length =
+            longer * p.sliver_height * relief * torn * slab.splinters * (long * long * long);
         let (shaft, outline) = self.taper(end, length, p.sliver_height * relief * torn * high);
         // Fibres: most end with their sliver, a few stand out of it far.
         let [far, blade, off] = end.fibre_random;
@@ -347,11 +353,12 @@ impl<'a> TornRelief<'a> {
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)
             + up * 0.6 * length * heavy(drop)
             + splintered * p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
+            + self.brittle * BRITTLE_TERRACES * p.step_height * self.terrace(end, RING_STEPS.1)
             + fibre * (off - 0.5)
             + up * outline * strand(far, off);
         let cleft = up
             * splintered
-            * end.cleft
+            * (deeper * end.cleft)
             * relief
             * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
         let shard = self.shard((key, i64::from(end.fork)), (middle, width), torn);
@@ -381,18 +388,6 @@ impl<'a> TornRelief<'a> {
         }
     }
 
-    /// Returns the height of a bundle of crushed wood, and that of its end.
-    fn crushed(&self, end: &TornEnd, torn: f64) -> (f64, f64) {
-        let (height, [drop, _]) = (self.model.p.compression_height, end.fork_random);
-        let crushed =
-            height * (CRUSHED_PARTS * heavy(drop) + CRUSHED_BUNDLES * heavy(end.crushed_random[0]));
-        // Either half keeps the fibres of a bundle.
-        let [sharp, side, _] = end.crushed_random;
-        let blade = ((1.0 - torn) * height)
-            * (CRUSHED_BLADE.0 + CRUSHED_BLADE.1 * sharp * sharp).copysign(side - 0.5);
-        (crushed, blade)
-    }
-
     /// Returns the heights of the shaft of a sliver and of its outline, the taper on it, which is most of it. `length` is that drawn
     /// for it, and `high` a height that its outline has in any case.
     fn taper(&self, end: &TornEnd, length: f64, high: f64) -> (f64, f64) {
@@ -409,6 +404,16 @@ impl<'a> TornRelief<'a> {
             (BOARD_OWN_SHARE, BOARD_SHORTEST)
         } else {
             (OWN_SHARE, SHORTEST)
+        }
+    }
+
+    /// Returns the factors on the length of slivers and on the depth of the clefts between them: boards part in few, long ones, and split
+    /// down their faces.
+    fn of_board(&self) -> (f64, f64) {
+        if self.ends.is_board() {
+            (BOARD_SLIVERS, BOARD_CLEFTS)
+        } else {
+            (1.0, 1.0)
         }
     }
 
@@ -447,30 +452,6 @@ impl<'a> TornRelief<'a> {
         self.model.p.split * near * (0.4 + 0.6 * deep)
     }
 
-    /// Returns the height of a fold of crushed wood at a point (m), 0 to 1, where folds are `height` high. Their ridges run across
-    /// the way that the stem was bent, and wind.
-    fn fold(&self, at: DVec2, height: f64, rough: f64) -> f64 {
-        if height <= 0.0 {
-            return 0.0;
-        }
-        let across = (at - self.ends.pith) / self.model.site.radius;
-        let seed = self.model.seed(purpose::ROUGH);
-        let winding = 0.8 * noise::gradient_2d(seed + 7, across * 1.6)
-            + 0.4 * noise::gradient_2d(seed + 8, across * 4.3)
-            + 0.06 * rough;
-        let place = across.dot(self.model.tension) / FOLD_WIDTH + 2.0 * winding;
-        let (fold, part) = (place.floor(), place - place.floor());
-        // No fold runs on for long.
-        let along = across.dot(self.model.tension.perp());
-        let high = noise::value_1d(seed + 9 + (fold as i64 & 0xff) as u64, 3.4 * along);
-        let rise = if part < FOLD_RISE {
-            part / FOLD_RISE
-        } else {
-            (1.0 - part) / (1.0 - FOLD_RISE)
-        };
-        rise * (0.55 + 0.45 * high)
-    }
-
     /// Returns the height of a bundle's end at one of its nodes, which have `noises`.
     pub fn node_height(&self, level: &BundleHeight, node: &EndNode, noises: &[f64]) -> f64 {
         let bundles = self.bundles;
@@ -479,7 +460,8 @@ impl<'a> TornRelief<'a> {
             // Nodes beyond the bark repeat the heights of those below them, so that the edge runs straight outwards.
             let direction = bundles.directions[node.node as usize];
             let out = direction * radius - (level.middle - self.ends.pith);
-            let edge = level.sliver * node.shared_outline;
+            let edge = level.sliver * node.shared_outline
+                + (level.sliver / SLANTED_BARK).min(1.0) * node.outward;
             let strip = self.ends.bundles[node.cell as usize].strip as usize;
             let phi = bundles.addresses[node.node as usize].1;
             let along = match (self.field, self.added) {

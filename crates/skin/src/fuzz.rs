@@ -6,6 +6,7 @@
 //! along the grain, or is kinked; hairs and slivers lift towards their free ends. Together they are a mesh of their own beside the piece, so that the
 //! piece stays one closed solid.
 
+mod bark;
 mod draw;
 mod face;
 mod hinge;
@@ -15,6 +16,7 @@ mod strand;
 pub use hinge::HingeOptions;
 pub use options::FuzzOptions;
 
+use bark::BARK;
 use draw::{Draw, PURPOSE, TUFT, size};
 use face::{TornFace, slope};
 use glam::DVec3;
@@ -27,14 +29,16 @@ use strand::StrandMesh;
 /// where wood was crushed and where it was torn.
 const HAIRS: f64 = 7.5e5;
 const SLIVERS: f64 = 1.6e5;
-const CRUSHED_STUBS: f64 = 1.1e7;
-const TORN_STUBS: f64 = 5e6;
+const CRUSHED_STUBS: f64 = 1.1e6;
+const TORN_STUBS: f64 = 1.5e6;
+/// The same of straps at the torn edge of bark.
+const STRAPS: f64 = 8e5;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1: of hairs, and of each kind where pieces are apart.
 const MAX_SHARE: f64 = 0.6;
-const MAX_SHARES_APART: [f64; 3] = [0.2, 0.14, 0.3];
+const MAX_SHARES_APART: [f64; 4] = [0.2, 0.14, 0.3, 0.12];
 /// Mean number of triangles of each kind of strand (of a sliver, of all its laths), by which they are thinned out where they would be
 /// too many.
-const MEAN_TRIANGLES: [f64; 3] = [12.5, 18.0, 6.5];
+const MEAN_TRIANGLES: [f64; 4] = [12.5, 18.0, 6.5, 20.0];
 /// Heights of a wall of the face between which it counts as torn, m: lower ones are the steps of crushed and of brash wood.
 const TORN_HEIGHT: (f64, f64) = (0.8e-3, 3.5e-3);
 /// Heights of a wall between which it has slivers: those peel off the sides of slabs and of long splinters.
@@ -52,14 +56,17 @@ const DENSITY_OF_ZONES: [f64; 5] = [0.3, 0.9, 1.0, 1.2, 0.06];
 /// Numbers from which on slivers and stubs of a triangle count, so that they share no random numbers with hairs.
 const SLIVER_NUMBERS: usize = 1 << 20;
 const STUB_NUMBERS: usize = 2 << 20;
+const STRAP_NUMBERS: usize = 3 << 20;
 
 /// A triangle that carries strands.
 struct TornTriangle {
     triangle: usize,
-    /// Expected numbers of hairs, slivers and stubs.
-    strands: [f64; 3],
+    /// Expected numbers of hairs, slivers, stubs and straps of bark.
+    strands: [f64; 4],
     /// How crushed the wood is, 0 to 1.
     crushed: f64,
+    /// Whether it lies along the grain.
+    is_wall: bool,
 }
 
 /// Makes the fuzz of a piece, which has the attributes of a broken face. It is empty where the face is not torn.
@@ -78,7 +85,7 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
     let shares = if options.apart {
         MAX_SHARES_APART
     } else {
-        [MAX_SHARE, 0.0, 0.0]
+        [MAX_SHARE, 0.0, 0.0, 0.0]
     };
     let mut most = 0.0;
     for (k, share) in shares.into_iter().enumerate() {
@@ -93,18 +100,18 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
     let most = (most as usize + made.triangles()).min(options.most_triangles);
     for on in &torn {
         let random = |k: usize| unit(options.seed ^ PURPOSE, on.triangle as i64, -1, k as i64);
-        let counts = [0, 1, 2].map(|k| (on.strands[k] + random(k)) as usize);
+        let counts = [0, 1, 2, 3].map(|k| (on.strands[k] + random(k)) as usize);
         add_strands(&mut made, &face, on, counts, most);
     }
     made.finish()
 }
 
-/// Adds numbers of hairs, slivers and stubs that a triangle carries, as long as there are no more triangles than `most`.
+/// Adds numbers of hairs, slivers, stubs and straps that a triangle carries, as long as there are no more triangles than `most`.
 fn add_strands(
     made: &mut StrandMesh,
     face: &TornFace,
     on: &TornTriangle,
-    [hairs, slivers, stubs]: [usize; 3],
+    [hairs, slivers, stubs, straps]: [usize; 4],
     most: usize,
 ) {
     let options = made.options();
@@ -126,6 +133,18 @@ fn add_strands(
         let forward = if options.upper { -1.0 } else { 1.0 };
         let frame = face.end_frame(on.triangle, side, forward);
         strands.extend(frame.and_then(|frame| draw.stub(&frame, on.crushed)));
+    }
+    for number in 0..straps {
+        let draw = draw(STRAP_NUMBERS + number);
+        let frame = match on.is_wall {
+            true => face.frame(on.triangle),
+            false => {
+                let from_pith = face.grain(on.triangle)[0].truncate() - options.stem.rings.pith();
+                let forward = if options.upper { -1.0 } else { 1.0 };
+                face.end_frame(on.triangle, draw.outwards(from_pith), forward)
+            }
+        };
+        strands.extend(frame.iter().flat_map(|frame| draw.strap(frame)));
     }
     for strand in strands {
         if made.triangles() + strand.triangles() <= most {
@@ -176,9 +195,13 @@ fn torn_triangles(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<T
         let per_area = density * area * zone;
         let mut made = TornTriangle {
             triangle,
-            strands: [0.0; 3],
+            strands: [0.0; 4],
             crushed: 0.0,
+            is_wall: steepness >= SIDE_GRAIN,
         };
+        if options.apart && face.zone(triangle) == BARK {
+            made.strands[3] = STRAPS * density * area;
+        }
         if steepness >= SIDE_GRAIN && torn > 0.0 {
             let tufts = DVec3::new(1.0 / TUFT.0, 1.0 / TUFT.0, 1.0 / TUFT.1) / size;
             let tuft = gradient_3d(options.seed ^ PURPOSE, middle * tufts, 0).0;

@@ -91,7 +91,8 @@ parameters! {
             /// Probability that a cell of the zone carries a thorn.
             thorn_probability: f64 = 0.0, number(Fraction, 0.0, 1.0).symbol("P_D");
             /// Direction of the zone's middle: the side that was in tension. The compression side
-            /// is opposite.
+            /// is opposite. A board bends flat: of its two faces, the one nearer to this direction was
+            /// in tension.
             direction: f64 = 0.0, number(Degree, 0.0, 360.0).symbol("α");
             /// Angle the zone takes.
             angle: f64 = 150.0, number(Degree, 0.0, 360.0).symbol("θ");

@@ -357,3 +357,86 @@ fn an_added_field_is_over_whatever_face_the_parameters_shape() {
         }
     }
 }
+
+/// Slopes outwards of the torn bark of a face, between its inner edge and the nodes beyond the skin.
+fn bark_slopes(preset: &str, seed: u64) -> Vec<f64> {
+    let (stem, bundles, heights) = round_face(preset, seed);
+    let layout = &bundles.layout;
+    let from_pith = |n: u32| layout.nodes[n as usize].distance(stem.rings.pith());
+    let mut slopes = Vec::new();
+    for (f, facet) in layout.facets.iter().enumerate() {
+        if !bundles.bundles[layout.cells[f] as usize].bark {
+            continue;
+        }
+        // The side that runs most nearly outwards.
+        let sides = [(0, 1), (1, 2), (2, 0)];
+        let rise = |&(i, j): &(usize, usize)| from_pith(facet[j]) - from_pith(facet[i]);
+        let steepest = sides
+            .into_iter()
+            .max_by(|a, b| rise(a).abs().total_cmp(&rise(b).abs()))
+            .unwrap();
+        let [from, to] = [steepest.0, steepest.1].map(|k| heights.surface.heights[f][k]);
+        slopes.push((to - from) / rise(&steepest));
+    }
+    slopes
+}
+
+/// Torn bark shows its thickness: it breaks on the slant, on one piece as often as on the other, and hardly so where it broke with
+/// brittle wood.
+#[test]
+fn bark_breaks_on_the_slant_outwards() {
+    let (mut steep, mut brash_steep) = (Vec::new(), Vec::new());
+    for seed in 1..6 {
+        steep.extend(bark_slopes("simple-tension", seed));
+        brash_steep.extend(bark_slopes("brash", seed));
+    }
+    let share = |slopes: &[f64], of: fn(f64) -> bool| {
+        slopes.iter().filter(|&&s| of(s)).count() as f64 / slopes.len() as f64
+    };
+    // The thickness of bark is seen from the side where it is not level.
+    let (seen, out) = (share(&steep, |s| s.abs() > 0.7), share(&steep, |s| s > 0.0));
+    assert!(seen > 0.6, "{seen}");
+    assert!((0.3..0.7).contains(&out), "{out}");
+    let brash = share(&brash_steep, |s| s.abs() > 0.7);
+    assert!(brash < 0.5 * seen, "{brash}");
+}
+
+/// Brittle wood parts along rings and rays into clumps: bundles beside each other end at about one height, those farther off at others.
+#[test]
+fn brittle_wood_ends_in_clumps() {
+    for seed in 1..4 {
+        let (stem, bundles, heights) = round_face("brash", seed);
+        let layout = &bundles.layout;
+        let mut ends: Vec<(DVec2, f64)> = Vec::new();
+        for (facet, heights) in layout.facets.iter().zip(&heights.surface.heights) {
+            // The tip of a bundle is the last corner of the first of its facets that has it.
+            let [_, _, tip] = *facet;
+            let middle = layout.nodes[tip as usize] / stem.radius;
+            let new = ends.last().is_none_or(|last| last.0 != middle);
+            if new && bundles.tips.contains(&tip) && middle.length() < 0.85 {
+                ends.push((middle, heights[2] / stem.radius));
+            }
+        }
+        assert!(ends.len() > 1000, "{}", ends.len());
+        let mean = |from: f64, to: f64| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for (i, (p, h)) in ends.iter().enumerate() {
+                for (q, k) in &ends[..i] {
+                    if (from..to).contains(&p.distance(*q)) {
+                        sum += (h - k).abs();
+                        count += 1.0;
+                    }
+                }
+            }
+            sum / count
+        };
+        // The inclination of the face adds 0.03 at the distance of clumps.
+        let (beside, clumps_off) = (mean(0.0, 0.04), mean(0.25, 0.35));
+        println!("seed {seed}: {beside} {clumps_off}");
+        assert!(clumps_off > 0.05, "seed {seed}: {clumps_off}");
+        assert!(
+            beside < 0.6 * clumps_off,
+            "seed {seed}: {beside} {clumps_off}"
+        );
+    }
+}

@@ -19,6 +19,7 @@ pub(super) const TUFT: (f64, f64) = (2.2e-3, 9e-3);
 /// moved apart.
 const OUTER_RING: f64 = 0.975;
 const OUTER_RING_APART: f64 = 1.1;
+const OUTER_RING_OF_STRAPS: f64 = 1.7;
 /// Share of hairs that are bundles of fibres, nearly twice as wide as the others.
 const BUNDLED: f64 = 0.45;
 /// The most laths that a sliver splits into towards its free end.
@@ -58,13 +59,13 @@ pub(super) struct Draw<'a> {
 }
 
 impl Draw<'_> {
-    fn random(&self, k: i64) -> f64 {
+    pub(super) fn random(&self, k: i64) -> f64 {
         let seed = self.options.seed ^ PURPOSE;
         unit(seed, self.place.0 as i64, self.place.1 as i64, k)
     }
 
     /// Returns even weights of a triangle's corners, of random numbers `k` and the next.
-    fn weights(&self, k: i64) -> [f64; 3] {
+    pub(super) fn weights(&self, k: i64) -> [f64; 3] {
         let (a, b) = (self.random(k), self.random(k + 1));
         let (a, b) = if a + b > 1.0 {
             (1.0 - a, 1.0 - b)
@@ -74,12 +75,12 @@ impl Draw<'_> {
         [1.0 - a - b, a, b]
     }
 
-    fn forward(&self) -> f64 {
+    pub(super) fn forward(&self) -> f64 {
         if self.options.upper { -1.0 } else { 1.0 }
     }
 
     /// Returns two numbers, about −0.5 to 0.5, that strands near each other at a place (m) share.
-    fn together(&self, place: DVec3, width: f64) -> [f64; 2] {
+    pub(super) fn together(&self, place: DVec3, width: f64) -> [f64; 2] {
         let seed = self.options.seed ^ PURPOSE;
         [1, 2].map(|k: u64| gradient_3d(seed ^ k << 40, place / width, 0).0)
     }
@@ -249,7 +250,7 @@ impl Draw<'_> {
     }
 
     /// Returns the roll by which a strand on an end lies flat on its ring.
-    fn along_ring(&self, frame: &Frame) -> f64 {
+    pub(super) fn along_ring(&self, frame: &Frame) -> f64 {
         let rings = &self.options.stem.rings;
         let angle = rings.address(frame.grain[0].truncate()).1;
         let (sin, cos) = libm::sincos(angle);
@@ -258,10 +259,12 @@ impl Draw<'_> {
     }
 
     /// Returns a strand, straightened or left out where it would reach out of the stem.
-    fn within(&self, frame: &Frame, mut strand: Strand) -> Option<Strand> {
+    pub(super) fn within(&self, frame: &Frame, mut strand: Strand) -> Option<Strand> {
         let options = self.options;
         strand.ring = options.stem.rings.address(strand.root.grain.truncate()).0;
-        let most = if options.apart {
+        let most = if strand.kind == StrandKind::Strap {
+            OUTER_RING_OF_STRAPS
+        } else if options.apart {
             OUTER_RING_APART
         } else {
             OUTER_RING
@@ -279,11 +282,11 @@ impl Draw<'_> {
     }
 }
 
-fn of(w: [f64; 3], v: [DVec3; 3]) -> DVec3 {
+pub(super) fn of(w: [f64; 3], v: [DVec3; 3]) -> DVec3 {
     v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
 }
 
-fn root(frame: &Frame, weights: [f64; 3], direction: f64) -> Root {
+pub(super) fn root(frame: &Frame, weights: [f64; 3], direction: f64) -> Root {
     // Frames of ends point to the free side already.
     let [beside, out, along] = frame.directions;
     Root {

@@ -14,6 +14,7 @@ const SECTIONS_OF_SHORT: [(f64, f64); 2] = [(0.0, 0.8), (0.55, 1.0)];
 const SECTIONS_OF_SLIVER: [(f64, f64); 4] = [(0.0, 0.9), (0.3, 1.0), (0.58, 0.9), (0.84, 0.62)];
 const SECTIONS_OF_SPIKE: [(f64, f64); 1] = [(0.0, 1.0)];
 const SECTIONS_OF_CHISEL: [(f64, f64); 2] = [(0.0, 1.0), (1.0, 0.8)];
+const SECTIONS_OF_STRAP: [(f64, f64); 4] = [(0.0, 0.9), (0.33, 1.0), (0.68, 0.95), (1.0, 0.65)];
 const SECTIONS_OF_KINKED: [(f64, f64); 2] = [(0.0, 1.0), (0.5, 0.9)];
 /// Widths below which a strand is short.
 const SHORT: f64 = 16.0;
@@ -52,6 +53,8 @@ pub(super) enum StrandKind {
     Hair,
     /// A lath that came half off its splinter.
     Sliver,
+    /// A strap of inner or outer bark that hangs on at the torn edge of the bark, with a ragged end.
+    Strap,
     /// The short end of a bundle that broke across, pointed, blunt or kinked.
     Spike,
     Chisel,
@@ -62,6 +65,11 @@ impl StrandKind {
     /// Whether it is the end of a bundle that broke across.
     fn is_stub(self) -> bool {
         matches!(self, Self::Spike | Self::Chisel | Self::Kinked)
+    }
+
+    /// Whether it ends in a ragged edge rather than in a point.
+    fn is_blunt(self) -> bool {
+        matches!(self, Self::Strap | Self::Chisel)
     }
 }
 
@@ -107,6 +115,7 @@ impl Strand {
             StrandKind::Hair if self.length < SHORT * self.width => &SECTIONS_OF_SHORT,
             StrandKind::Hair => &SECTIONS,
             StrandKind::Sliver => &SECTIONS_OF_SLIVER,
+            StrandKind::Strap => &SECTIONS_OF_STRAP,
             StrandKind::Spike => &SECTIONS_OF_SPIKE,
             StrandKind::Chisel => &SECTIONS_OF_CHISEL,
             StrandKind::Kinked => &SECTIONS_OF_KINKED,
@@ -115,10 +124,7 @@ impl Strand {
 
     /// Number of its triangles.
     pub fn triangles(&self) -> usize {
-        let end = match self.kind {
-            StrandKind::Chisel => 1,
-            _ => SIDES,
-        };
+        let end = if self.kind.is_blunt() { 1 } else { SIDES };
         2 * SIDES * (self.sections().len() - 1) + end + 1
     }
 
@@ -217,7 +223,7 @@ impl<'a> StrandMesh<'a> {
         };
         let (flat, ridge) = (beside * cos + out * sin, out * cos - beside * sin);
         let sections = strand.sections();
-        let blunt = strand.kind == StrandKind::Chisel;
+        let blunt = strand.kind.is_blunt();
         for (number, &(part, swell)) in sections.iter().enumerate() {
             let ends = match blunt && number + 1 == sections.len() {
                 true => strand.ends,
