@@ -26,6 +26,7 @@ use greenstick::simulated_faces::{PartlyBroken, SimulatedFacesError, simulated_f
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run};
 use greenstick::wood::primitive::BranchOptions;
 use greenstick::wood::stem::StemLocation;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -278,8 +279,10 @@ fn outcome(report: &SimulateReport) -> Outcome {
             fact("Broke at", format!("{place:.3} m from the base"));
         }
     }
-    let [rods, _, bonds] = report.broke;
-    fact("Broken rods", format!("{rods} of {}", report.rods));
+    // A rod may break in several places.
+    let [breaks, _, bonds] = report.broke;
+    let broken = report.outcome.as_ref().map_or(0, |o| o.rods_broken);
+    fact("Broken rods", format!("{broken} of {}", report.rods));
     fact("Broken bonds", format!("{bonds} of {}", report.bonds));
     if let Some(time) = report.first_break_s {
         fact("First break", format!("{time:.3} s"));
@@ -290,7 +293,7 @@ fn outcome(report: &SimulateReport) -> Outcome {
     Outcome {
         facts,
         report: report.to_string(),
-        broke: rods + bonds > 0,
+        broke: breaks + bonds > 0,
     }
 }
 
@@ -302,16 +305,18 @@ pub fn recorded_outcome(source: &dyn RunSource) -> Result<Outcome, Failure> {
     let (events, forces) = (source.events(), source.forces());
     let events = events.map_err(SimulateError::from)?;
     let forces = forces.map_err(SimulateError::from)?;
-    let count = |kind| events.iter().filter(|e| e.kind == kind).count();
-    let [rods, bonds] = [EventKind::RodBroke, EventKind::BondBroke].map(count);
+    let of = |kind| events.iter().filter(move |e| e.kind == kind);
+    // A rod may break in several places, a bond once.
+    let rods: BTreeSet<u32> = of(EventKind::RodBroke).map(|e| e.rod).collect();
+    let (rods, bonds) = (rods.len(), of(EventKind::BondBroke).count());
     let greatest = |of: fn(&ForceRow) -> f64| forces.iter().map(of).fold(0.0, f64::max);
     let [force, moment] = [
         greatest(|r| r.force.length()),
         greatest(|r| r.moment.length()),
     ];
     let mut facts = vec![
-        ("Breaks of rods".to_owned(), rods.to_string()),
-        ("Breaks of bonds".to_owned(), bonds.to_string()),
+        ("Broken rods".to_owned(), rods.to_string()),
+        ("Broken bonds".to_owned(), bonds.to_string()),
     ];
     for (name, value, unit) in [
         ("Greatest load", force, "N"),

@@ -4,6 +4,7 @@
 use super::colours::ACCENT;
 use super::dialogs::buttons;
 use super::file_dialog::FileDialog;
+use super::labels::paint_label;
 use super::simulation_view::{Grabbed, SimulationView};
 use super::studio::Studio;
 use crate::model::holds::{HoldPart, Moved, dragged};
@@ -229,11 +230,7 @@ impl Studio {
                     HoldPart::Hand => self.hand_text(simulation, hold),
                     _ => format!("{}, at {:.3}", hold.name, hold.at),
                 };
-                let galley = painter.layout_no_wrap(text, egui::FontId::proportional(13.0), ACCENT);
-                let at = dot + Vec2::new(14.0, -14.0);
-                let place = egui::Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
-                painter.rect_filled(place.expand(3.0), 3.0, Color32::from_black_alpha(150));
-                painter.galley(place.min, galley, ACCENT);
+                paint_label(&painter, dot, text, ACCENT);
             }
         }
     }

@@ -20,6 +20,7 @@ mod gallery;
 mod hand;
 mod handles;
 mod holds;
+mod labels;
 mod lost_card;
 mod menu;
 mod paint;

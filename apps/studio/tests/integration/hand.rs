@@ -4,13 +4,15 @@ use crate::common::{Folder, drag, settle, studio};
 use eframe::egui::{Key, Modifiers, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use greenstick::fibre::EventKind;
 use greenstick::fibre::scene::{Scene, StemChoice};
 use greenstick::files::read_text;
 use greenstick::geometry::Context;
-use greenstick::simulate::{MemoryRun, SimulateRequest, simulate};
+use greenstick::simulate::{MemoryRun, RunSource, SimulateRequest, simulate};
 use greenstick_studio::model::holds::HoldPart;
 use greenstick_studio::model::simulation::Source;
 use greenstick_studio::ui::studio::Studio;
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// A stick of few rods that is held at its base.
@@ -63,14 +65,26 @@ fn wait(harness: &mut Window, so: impl Fn(&Window) -> bool) {
     }
 }
 
-/// The report on a scene as the command line simulates it.
-fn simulated_alone(scene: Scene) -> String {
+/// The rods that broke, as the window counts them.
+fn broken_rods(harness: &Window) -> String {
+    let outcome = harness.state().simulation().unwrap().outcome.as_ref();
+    let mut facts = outcome.unwrap().facts.iter();
+    facts.find(|f| f.0 == "Broken rods").unwrap().1.clone()
+}
+
+/// The report on a scene as the command line simulates it, and the rods that broke of all, each once.
+fn simulated_alone(scene: Scene) -> (String, String) {
     let request = SimulateRequest {
         scene,
         ..SimulateRequest::default()
     };
-    let report = simulate(&request, &mut MemoryRun::new(), &Context::quiet());
-    report.unwrap().to_string()
+    let mut run = MemoryRun::new();
+    let report = simulate(&request, &mut run, &Context::quiet()).unwrap();
+    let events = run.events().unwrap().into_iter();
+    let breaks = events.filter(|e| e.kind == EventKind::RodBroke);
+    let rods: BTreeSet<u32> = breaks.map(|e| e.rod).collect();
+    let counted = format!("{} of {}", rods.len(), report.rods);
+    (report.to_string(), counted)
 }
 
 #[test]
@@ -124,7 +138,10 @@ fn wood_is_pulled_until_it_breaks_and_the_saved_scene_is_the_same_for_the_comman
         (scene.clamp.len(), scene.clamp[1].axes.to_string()),
         (2, "yz".to_owned())
     );
-    assert_eq!(simulated_alone(scene), pulled);
+    assert_eq!(
+        simulated_alone(scene),
+        (pulled.clone(), broken_rods(&harness))
+    );
 
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut harness);
@@ -164,7 +181,10 @@ fn a_hand_tears_the_stem_at_hand_and_its_break_is_one_step() {
     // The built-in branch has no file: the scene makes it.
     assert_eq!(scene.stem.kind, StemChoice::Branch);
     assert_eq!(scene.clamp[1].axes.to_string(), "xyz");
-    assert_eq!(simulated_alone(scene), report(&harness));
+    assert_eq!(
+        simulated_alone(scene),
+        (report(&harness), broken_rods(&harness))
+    );
     harness.get_by_label("Take this break").click();
     settle(&mut harness);
     assert!(errors(&harness).is_empty(), "{:?}", errors(&harness));
