@@ -1,6 +1,7 @@
 //! A simulation as the window sees it: what is asked, what is told, and where its playback is. Knows nothing of rods.
 
 use super::engine::Failure;
+use super::hand::HandPlace;
 use super::holds::{Hold, Moved};
 use super::input::Input;
 use super::meshes::DrawnScene;
@@ -69,6 +70,9 @@ pub enum Look {
     Rods,
     /// As wood, cut along the faces that the end of the run decided.
     Wood,
+    /// As what shows the run best: the whole wood before its first break, then rods, and where the end of the run decided faces that
+    /// show it well, wood.
+    Best,
 }
 
 /// A curve of a chart.
@@ -163,6 +167,8 @@ pub struct Begun {
     pub holds: Vec<Hold>,
     /// Whether a hand can pull on its wood, or why not.
     pub pull: Result<(), String>,
+    /// The way of the hand, frame by frame; empty where there is none.
+    pub hand_way: Vec<HandPlace>,
 }
 
 /// What is told of a simulation.
@@ -170,6 +176,8 @@ pub struct Begun {
 pub enum News {
     /// It begins.
     Begun(Begun),
+    /// The hand was steered elsewhere: what it does now, and its way.
+    Steered(Moved, Vec<HandPlace>),
     /// There is more of it.
     Recorded(Recorded),
     /// It ended.
