@@ -159,7 +159,7 @@ pub struct DrawnScene {
     /// Boxes around its triangles, some to each, in their order; none where they were not worked out ([`DrawnScene::survey`]).
     #[serde(with = "wire::plain")]
     pub boxes: Vec<Box3>,
-    /// Heights of the face below each break, as [`CrackFace`](super::placed_cracks::CrackFace) has them, likewise.
+    /// Heights of the face below each break, as [`CrackFace`](super::crack_face::CrackFace) has them, likewise.
     pub faces: Vec<Vec<f32>>,
 }
 
@@ -293,6 +293,11 @@ impl DrawnScene {
         };
         let name = role.name();
         self.pieces.iter().position(|p| p.name == name)
+    }
+
+    /// The number of the piece at the stem's far end.
+    pub fn last_piece(&self) -> Option<usize> {
+        self.piece_at(f32::INFINITY)
     }
 
     /// The number of the piece below a break.

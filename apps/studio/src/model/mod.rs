@@ -2,6 +2,7 @@
 
 pub mod breaks;
 pub mod command;
+pub mod crack_face;
 pub mod desk;
 pub mod early;
 pub mod engine;

@@ -9,6 +9,7 @@ mod breaks;
 pub mod card;
 mod charts;
 mod colours;
+mod crack_site;
 mod crack_tool;
 mod cracks;
 mod dialog;
