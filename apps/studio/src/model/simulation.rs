@@ -84,6 +84,9 @@ pub struct Line {
     pub points: Vec<[f64; 2]>,
 }
 
+/// Joules, newtons and metres below which a curve is rounding.
+const NOTHING: f64 = 1e-15;
+
 /// A chart.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Chart {
@@ -104,10 +107,13 @@ impl Chart {
             low = [low[0].min(*x), low[1].min(*y)];
             high = [high[0].max(*x), high[1].max(*y)];
         }
-        // What does not move is still a range.
-        for (high, low) in high.iter_mut().zip(low) {
-            if *high <= low {
-                *high = low + 1.0;
+        // What does not move is still a range, and what rounding leaves of nothing is nothing.
+        for (high, low) in high.iter_mut().zip(&mut low) {
+            if *high - *low <= NOTHING {
+                if low.abs() <= NOTHING {
+                    *low = 0.0;
+                }
+                *high = *low + 1.0;
             }
         }
         Some([low, high])
@@ -308,6 +314,11 @@ mod tests {
             ..Chart::default()
         };
         assert_eq!(flat.bounds(), Some([[0.5, 0.0], [1.5, 1.0]]));
+        let rounding = Chart {
+            lines: vec![line(&[[0.0, 4e-23], [1.0, -1e-23]])],
+            ..Chart::default()
+        };
+        assert_eq!(rounding.bounds(), Some([[0.0, 0.0], [1.0, 1.0]]));
         assert_eq!(Chart::default().bounds(), None);
     }
 }
