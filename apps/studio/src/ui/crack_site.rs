@@ -13,6 +13,9 @@ const IN_CRACKS: f32 = 1.0;
 /// How far below the rim a drag on the bark opens a crack of the end, where cracks are there, radii.
 const BESIDE: f32 = 4.0;
 
+/// A face, a place on it, and the height there over the face's, m.
+pub(super) type Site = (Arc<CrackFace>, Polar, f32);
+
 impl Studio {
     /// The sawn end as it is drawn.
     pub(super) fn end_face(&mut self) -> Option<Arc<CrackFace>> {
@@ -71,7 +74,7 @@ impl Studio {
         &mut self,
         rect: Rect,
         pos: Pos2,
-    ) -> Result<Option<(Arc<CrackFace>, Polar, f32)>, &'static str> {
+    ) -> Result<Option<Site>, &'static str> {
         if let Some(why) = self.why_no_cracks() {
             return Err(why);
         }
