@@ -1,6 +1,6 @@
 //! Taking what came to an end: pictures of breaks, files that were read or written.
 
-use super::messages::Message;
+use super::message::Message;
 use super::studio::{AtWork, Studio};
 use crate::model::engine::{Failure, Haste, Shown};
 use crate::model::input::Input;

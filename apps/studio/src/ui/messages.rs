@@ -1,9 +1,9 @@
 //! Messages that stay until they are dismissed.
 
+use super::message::Message;
 use super::studio::Studio;
 use eframe::egui::{self, Color32, Ui};
 use greenstick::formats::LengthUnit;
-use greenstick::wood::stem::StemLocation;
 
 /// No stem is thicker, m: the stoutest tree, the Árbol del Tule, is 11.6 m thick.
 const THICKEST: f64 = 12.0;
@@ -12,19 +12,6 @@ const UNITS: [(LengthUnit, &str); 2] = [
     (LengthUnit::Millimetre, "Millimetres"),
     (LengthUnit::Centimetre, "Centimetres"),
 ];
-
-/// A message that stays until it is dismissed.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Message {
-    /// What it says.
-    pub text: String,
-    /// Whether something failed.
-    pub is_error: bool,
-    /// A place of the break that would work.
-    pub place: Option<StemLocation>,
-    /// Whether it asks for the unit of length in the file.
-    pub asks_unit: bool,
-}
 
 impl Studio {
     /// Asks for the unit of a file whose stem is thicker than any.

@@ -24,6 +24,7 @@ mod holds;
 mod labels;
 mod lost_card;
 mod menu;
+mod message;
 mod messages;
 mod paint;
 mod paint_tool;

@@ -5,7 +5,7 @@ use super::card::Card;
 use super::crack_tool::CrackTool;
 use super::dialog::Dialog;
 use super::fan_tool::FanTool;
-pub use super::messages::Message;
+pub use super::message::Message;
 use super::paint_tool::PaintTool;
 use super::photograph_view::PhotographView;
 use super::simulation_view::SimulationView;

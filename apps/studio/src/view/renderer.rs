@@ -340,40 +340,8 @@ impl Renderer {
                 known.unwrap_or_else(|| self.pipelines.wood_group(device, queue, look))
             })
             .collect();
-        let batches = scene.batches.iter().map(|batch| {
-            let numbers = buffer(
-                bytemuck::bytes_of(&surface_numbers(batch)),
-                wgpu::BufferUsages::UNIFORM,
-            );
-            let image = batch.texture.and_then(|t| images.get(t.image));
-            let relief = batch.relief.and_then(|t| reliefs.get(t.image));
-            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("material"),
-                layout: &self.pipelines.material,
-                entries: &[
-                    entry(0, numbers.as_entire_binding()),
-                    entry(
-                        1,
-                        wgpu::BindingResource::TextureView(image.unwrap_or(&self.blank)),
-                    ),
-                    entry(2, wgpu::BindingResource::Sampler(&self.linear)),
-                    entry(
-                        3,
-                        wgpu::BindingResource::TextureView(relief.unwrap_or(&self.blank)),
-                    ),
-                ],
-            });
-            let wood = match batch.shading {
-                Shading::Wood(wood) => wood,
-                Shading::Material | Shading::Skin => 0,
-            };
-            LoadedBatch {
-                range: batch.first..batch.first + batch.count,
-                wood,
-                material: group,
-                has_holes: batch.has_holes(),
-            }
-        });
+        let batches = scene.batches.iter();
+        let batches = batches.map(|batch| self.load_batch(device, batch, [&images, &reliefs]));
         Loaded {
             id,
             vertices: buffer(
@@ -391,6 +359,43 @@ impl Renderer {
             woods,
             images,
             reliefs,
+        }
+    }
+
+    /// Puts a batch on the card; `images` and `reliefs` are there.
+    fn load_batch(
+        &self,
+        device: &wgpu::Device,
+        batch: &Batch,
+        [images, reliefs]: [&[wgpu::TextureView]; 2],
+    ) -> LoadedBatch {
+        let numbers = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: bytemuck::bytes_of(&surface_numbers(batch)),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let image = batch.texture.and_then(|t| images.get(t.image));
+        let relief = batch.relief.and_then(|t| reliefs.get(t.image));
+        let view = wgpu::BindingResource::TextureView;
+        let material = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("material"),
+            layout: &self.pipelines.material,
+            entries: &[
+                entry(0, numbers.as_entire_binding()),
+                entry(1, view(image.unwrap_or(&self.blank))),
+                entry(2, wgpu::BindingResource::Sampler(&self.linear)),
+                entry(3, view(relief.unwrap_or(&self.blank))),
+            ],
+        });
+        let wood = match batch.shading {
+            Shading::Wood(wood) => wood,
+            Shading::Material | Shading::Skin => 0,
+        };
+        LoadedBatch {
+            range: batch.first..batch.first + batch.count,
+            wood,
+            material,
+            has_holes: batch.has_holes(),
         }
     }
 

@@ -198,6 +198,37 @@ impl Layouts {
     }
 }
 
+/// The plans for what has holes: of surfaces, of the shadow map and of distances; the latter two read `layouts`.
+fn with_holes<'a>(
+    surface: &Plan<'a>,
+    layouts: &'a [Option<&'a wgpu::BindGroupLayout>],
+) -> [Plan<'a>; 3] {
+    let of_one_sample = |vertex, fragment, target| Plan {
+        layouts,
+        vertex,
+        fragment: Some(fragment),
+        target,
+        samples: 1,
+        ..*surface
+    };
+    [
+        Plan {
+            holes: true,
+            ..*surface
+        },
+        of_one_sample(
+            "vertex_shadow_with_holes",
+            "fragment_shadow_with_holes",
+            None,
+        ),
+        of_one_sample(
+            "vertex_distance_with_holes",
+            "fragment_distance_with_holes",
+            Some(COLOR),
+        ),
+    ]
+}
+
 impl Pipelines {
     /// The pipelines for a window of this format.
     pub fn new(device: &wgpu::Device, window: wgpu::TextureFormat) -> Self {
@@ -217,8 +248,10 @@ impl Pipelines {
             blend: false,
             holes: false,
         };
-        let numbers_and_material = [only_numbers[0], None, Some(&layouts.material)];
         let make = |plan: Plan| pipeline(device, &module, &plan);
+        let numbers_and_material = [only_numbers[0], None, Some(&layouts.material)];
+        let [surface_with_holes, shadow_with_holes, distance_with_holes] =
+            with_holes(&surface, &numbers_and_material).map(make);
         let names = ["fragment_copy", "fragment_copy_linear"];
         let encoded = names[usize::from(window.is_srgb())];
         Pipelines {
@@ -239,25 +272,9 @@ impl Pipelines {
                 samples: 1,
                 ..surface
             }),
-            surface_with_holes: make(Plan {
-                holes: true,
-                ..surface
-            }),
-            shadow_with_holes: make(Plan {
-                layouts: &numbers_and_material,
-                vertex: "vertex_shadow_with_holes",
-                fragment: Some("fragment_shadow_with_holes"),
-                target: None,
-                samples: 1,
-                ..surface
-            }),
-            distance_with_holes: make(Plan {
-                layouts: &numbers_and_material,
-                vertex: "vertex_distance_with_holes",
-                fragment: Some("fragment_distance_with_holes"),
-                samples: 1,
-                ..surface
-            }),
+            surface_with_holes,
+            shadow_with_holes,
+            distance_with_holes,
             lines: make(Plan {
                 layouts: &globals,
                 vertex: "vertex_line",
