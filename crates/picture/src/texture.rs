@@ -1,6 +1,7 @@
 //! Textures of materials, as glTF 2.0 (§3.8, §3.9) describes them: colour, roughness and normals, of which detail finer than a
 //! pixel is averaged (mipmaps).
 
+use crate::sampling::hash;
 use crate::shader::{Appearance, Hit};
 use glam::{DVec3, DVec4};
 use greenstick_geometry::{Material, Pixels, Scene, TextureReference};
@@ -9,6 +10,9 @@ use std::collections::BTreeMap;
 /// glTF's codes of samplers: how coordinates beyond 0 to 1 are read.
 const CLAMP_TO_EDGE: u32 = 33_071;
 const MIRRORED_REPEAT: u32 = 33_648;
+
+/// What the random numbers of holes are for.
+const HOLES: u32 = 0x484f_4c45;
 
 /// How the values of a texture are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,8 +48,19 @@ pub struct TexturedMaterial {
     normal: Option<Map>,
     factor: [f64; 4],
     roughness_factor: f64,
-    /// Opacity below which there is a hole.
-    cutoff: Option<f64>,
+    opacity: Opacity,
+}
+
+/// What opacity means, as glTF 2.0 (§3.9.4) has it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Opacity {
+    /// Nothing.
+    Opaque,
+    /// There is a hole where it is less than this.
+    Masked(f64),
+    /// The part of the rays that meet the surface. Each ray meets it or does not (stochastic transparency, Enderton et al. 2010), which
+    /// the many rays of a pixel average.
+    Blended,
 }
 
 impl Level {
@@ -232,21 +247,27 @@ impl TexturedMaterial {
             normal: map(&material.normal_texture, Coding::Linear),
             factor: material.base_color.map(f64::from),
             roughness_factor: f64::from(material.roughness),
-            cutoff: (material.alpha_mode == "MASK").then(|| f64::from(material.alpha_cutoff)),
+            opacity: match &*material.alpha_mode {
+                "MASK" => Opacity::Masked(f64::from(material.alpha_cutoff)),
+                "BLEND" => Opacity::Blended,
+                _ => Opacity::Opaque,
+            },
         })
     }
 
     /// Whether there may be holes.
     pub fn has_holes(&self) -> bool {
-        self.cutoff.is_some()
+        self.opacity != Opacity::Opaque
     }
 
     /// Whether there is a hole at a hit.
     pub fn is_hole(&self, hit: &Hit) -> bool {
-        let Some(cutoff) = self.cutoff else {
-            return false;
-        };
-        (self.color.read(hit)).is_some_and(|value| value.w * self.factor[3] < cutoff)
+        let opacity = || Some(self.color.read(hit)?.w * self.factor[3]);
+        match self.opacity {
+            Opacity::Opaque => false,
+            Opacity::Masked(cutoff) => opacity().is_some_and(|o| o < cutoff),
+            Opacity::Blended => opacity().is_some_and(|o| o <= chance_at(hit.position)),
+        }
     }
 
     /// The appearance at a hit; `None` where the mesh lacks the coordinates.
@@ -265,6 +286,13 @@ impl TexturedMaterial {
             fibre: DVec3::ZERO,
         })
     }
+}
+
+/// A number from 0 to less than 1 for a position, as good as random from each to the next.
+fn chance_at(position: DVec3) -> f64 {
+    let bits = position.as_vec3().to_array().map(f32::to_bits);
+    let mixed = bits.into_iter().fold(HOLES, hash);
+    f64::from(mixed) / (f64::from(u32::MAX) + 1.0)
 }
 
 /// A normal tilted by one of a texture, whose x runs along u and whose y runs against v, which counts downwards.
@@ -358,6 +386,26 @@ mod tests {
         assert!((far.color[0] - mean).abs() < 1e-3, "{:?}", far.color);
         assert!(textured.is_hole(&hit(&mesh, 0.875, 0.1, 1e-9)));
         assert!(!textured.is_hole(&hit(&mesh, 0.5, 0.1, 1e-9)));
+    }
+
+    #[test]
+    fn rays_go_through_what_is_blended_as_often_as_it_is_clear() {
+        let (mesh, mut scene, pixels) = square(None);
+        scene.materials[0].alpha_mode = "BLEND".to_owned();
+        let holes = |scene: &Scene, column: f64| {
+            let textured = TexturedMaterial::new(scene, &scene.materials[0], &pixels).unwrap();
+            let rays = (0..2000).filter(|i| {
+                let y = 0.09 * f64::from(*i) / 2000.0;
+                textured.is_hole(&hit(&mesh, column, y, 1e-9))
+            });
+            rays.count()
+        };
+        // The last column is clear, the first are not.
+        assert_eq!((holes(&scene, 0.4), holes(&scene, 0.875)), (0, 2000));
+        scene.materials[0].base_color[3] = 0.3;
+        let through = holes(&scene, 0.4);
+        // 0.7 of 2000, within four standard deviations.
+        assert!((1318..1482).contains(&through), "{through}");
     }
 
     #[test]

@@ -2,7 +2,8 @@
 
 use super::early::{FinishedBreaks, Surroundings};
 use super::input::{Input, InputContent};
-use super::meshes::{DecodedImages, DrawnScene};
+use super::materials::DecodedImages;
+use super::meshes::DrawnScene;
 use super::section_book::{SectionBook, StemSection, sections_of};
 use super::wire;
 use greenstick::geometry::{Context, Scene};

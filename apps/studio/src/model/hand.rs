@@ -1,11 +1,12 @@
 //! A hand that pulls on the wood: where along a stem it can take hold, how far it can pull, and what that is in a scene.
 //!
-//! A hand is a short clamp with two key frames. Pulled across, it holds the wood across the stem alone and slides along it: held
+//! A hand is a short clamp with a key frame for each frame of its way, so that what is steered elsewhere while the run goes on has moved
+//! as before until then. Pulled across, it holds the wood across the stem alone and slides along it: held
 //! along as well, a bent stem would be stretched or crushed between the hand and what holds it. At a free end it is turned as the
 //! end of a cantilever turns under a force there: by one and a half times the deflection over the length (Timoshenko and Goodier,
 //! *Theory of Elasticity*, § 21).
 
-use super::holds::{Hold, HoldPart};
+use super::holds::{Hold, HoldPart, Moved, Steered};
 #[cfg(not(target_arch = "wasm32"))]
 use greenstick::fibre::scene::{
     ClampKeys, HeldAxes, KeyFrame, Scene as Setting, SolverChoice, StemChoice,
@@ -19,6 +20,9 @@ const LEAST_LEVER: f64 = 0.1;
 const FARTHEST: f64 = 0.8;
 /// How far it pulls along, as a part of the same wood: wood tears at a strain of one or two hundredths.
 const FARTHEST_ALONG: f64 = 0.2;
+/// The shortest time that a hand which is steered takes, as a part of the longest: what is moved sooner is hit.
+#[cfg(not(target_arch = "wasm32"))]
+const SHORTEST_WAY: f64 = 0.2;
 /// The end of a cantilever turns by this, times its deflection over its length.
 const CANTILEVER: f64 = 1.5;
 /// Greatest angle by which a hand turns, rad.
@@ -114,6 +118,12 @@ fn round(x: f64) -> f64 {
     (x * 1e4).round() / 1e4 + 0.0
 }
 
+/// Nine digits: finer than any step of a solver needs, and files can be read.
+#[cfg(not(target_arch = "wasm32"))]
+fn fine(x: f64) -> f64 {
+    (x * 1e9).round() / 1e9 + 0.0
+}
+
 /// Where a hand takes hold near a fraction of a stem that clamps hold from one fraction to another.
 ///
 /// # Errors
@@ -177,29 +187,90 @@ pub fn can_pull(setting: &Setting) -> Result<(), String> {
     Ok(())
 }
 
-/// Adds a hand to a scene, which takes hold at `at` and pulls by `by` parts of the stem's length. A scene by hand that nobody
-/// pulls in has one frame.
+/// The place of a hand at a time (s): how far it has pulled, in parts of the stem's length along the axes of the scene.
+pub type HandPlace = (f64, [f64; 3]);
+
+/// The way of a hand on a scene without it, frame by frame. It takes as long as the scene lasts to where it pulls first; where it is
+/// steered elsewhere, as long as its way is in parts of the longest, and for the rest of the time it rests.
+///
+/// The places until it is steered follow from what was before alone.
 #[cfg(not(target_arch = "wasm32"))]
-pub fn add_hand(setting: &mut Setting, at: f64, by: [f64; 3]) {
+pub fn hand_way(setting: &Setting, hand: &Moved) -> Vec<HandPlace> {
     let clamps: Vec<[f64; 2]> = setting.clamp.iter().map(|c| [c.from, c.to]).collect();
-    let Ok(grip) = grip(&clamps, at) else {
+    let lever = grip(&clamps, hand.at).map_or(1.0, |g| g.lever());
+    let rate = setting.frames_per_second;
+    let whole = ((setting.duration * rate).round() as u32).max(1);
+    let ends = hand.before.iter().map(|s| (s.frame, s.by));
+    let mut way = vec![[0.0; 3]];
+    for (until, to) in ends.chain([(u32::MAX, hand.by)]) {
+        let (start, from) = (way.len() as u32 - 1, way[way.len() - 1]);
+        let frames = match start {
+            0 => whole,
+            _ => frames_of(from, to, lever, whole),
+        };
+        let last = match until {
+            u32::MAX => (start + frames).max(whole),
+            until => until,
+        };
+        for frame in start + 1..=last {
+            let part = f64::from((frame - start).min(frames)) / f64::from(frames);
+            way.push([0, 1, 2].map(|i| fine(from[i] + (to[i] - from[i]) * part)));
+        }
+    }
+    let time = |frame: usize| frame as f64 / rate;
+    let places = way.into_iter().enumerate();
+    places.map(|(frame, by)| (time(frame), by)).collect()
+}
+
+/// Frames that a hand takes from one place to another, where the longest way takes `whole`.
+#[cfg(not(target_arch = "wasm32"))]
+fn frames_of(from: [f64; 3], to: [f64; 3], lever: f64, whole: u32) -> u32 {
+    let by = [0, 1, 2].map(|i| to[i] - from[i]);
+    let along = (by[0].abs() / (FARTHEST_ALONG * lever)).min(2.0);
+    let across = (by[1].hypot(by[2]) / (FARTHEST * lever)).min(2.0);
+    let part = along.max(across).max(SHORTEST_WAY);
+    ((part * f64::from(whole)).ceil() as u32).max(1)
+}
+
+/// A hand on a scene without it that is steered from the first of its frames on which is not before `time` (s) to another place.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn steered(setting: &Setting, hand: &Moved, time: f64, by: [f64; 3]) -> Moved {
+    let way = hand_way(setting, hand);
+    let frame = way.partition_point(|place| place.0 < time);
+    let frame = frame.min(way.len() - 1) as u32;
+    let mut next = hand.clone();
+    if frame > 0 && next.before.last().is_none_or(|s| s.frame < frame) {
+        next.before.push(Steered { frame, by: hand.by });
+    }
+    next.by = by;
+    next
+}
+
+/// Adds a hand to a scene, which then lasts until it has pulled as far as it was steered. A scene by hand that nobody pulls in has one
+/// frame.
+#[cfg(not(target_arch = "wasm32"))]
+pub fn add_hand(setting: &mut Setting, hand: &Moved) {
+    let clamps: Vec<[f64; 2]> = setting.clamp.iter().map(|c| [c.from, c.to]).collect();
+    let Ok(grip) = grip(&clamps, hand.at) else {
         return;
     };
     let stem = &setting.stem;
     let own = stem.length * (stem.part[1] - stem.part[0]);
     let length = setting.for_length.unwrap_or(own);
-    let along = by[0] != 0.0;
-    let end = KeyFrame {
-        time: setting.duration,
-        // Micrometres.
-        move_by: by.map(|x| (x * length * 1e6).round() / 1e6),
-        turn: grip.turn(by).map(|x| round(x.to_degrees())),
-    };
+    let first = hand.before.first().map_or(hand.by, |s| s.by);
+    let way = hand_way(setting, hand);
+    let key = way.iter().map(|&(time, by)| KeyFrame {
+        time,
+        move_by: by.map(|x| fine(x * length)),
+        turn: grip.turn(by).map(|x| fine(x.to_degrees())),
+    });
+    let key: Vec<KeyFrame> = key.collect();
+    setting.duration = way[way.len() - 1].0.max(setting.duration);
     setting.clamp.push(ClampKeys {
         from: round(grip.at - HALF),
         to: round(grip.at + HALF),
-        axes: HeldAxes([along, true, true]),
-        key: vec![KeyFrame::default(), end],
+        axes: HeldAxes([first[0] != 0.0, true, true]),
+        key,
         ..ClampKeys::default()
     });
 }
@@ -208,6 +279,46 @@ pub fn add_hand(setting: &mut Setting, at: f64, by: [f64; 3]) {
 mod tests {
     use super::*;
     use greenstick::fibre::scene::BUILT_IN;
+
+    fn pulling(at: f64, by: [f64; 3]) -> Moved {
+        Moved {
+            part: HoldPart::Hand,
+            at,
+            by,
+            before: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_hand_that_is_steered_has_moved_as_before_until_then() {
+        let setting = Setting::read(BY_HAND).unwrap();
+        let first = pulling(0.9, [0.0, 0.1, -0.3]);
+        let old = hand_way(&setting, &first);
+        assert_eq!((old.len(), old[0]), (26, (0.0, [0.0; 3])));
+        assert_eq!(old[25], (1.0, first.by));
+        // Its time lies between two frames: it is steered from the second on.
+        let next = steered(&setting, &first, old[9].0 + 1e-12, [0.0, -0.2, 0.3]);
+        assert_eq!(next.before[0].frame, 10);
+        let way = hand_way(&setting, &next);
+        assert_eq!(way[..=10], old[..=10]);
+        assert_ne!(way[11], old[11]);
+        assert_eq!(way.last().unwrap().1, next.by);
+        // Again, to a place near by, and long before the end.
+        let last = steered(&setting, &next, way[14].0, way[14].1);
+        let rests = hand_way(&setting, &last);
+        assert_eq!(rests[..=14], way[..=14]);
+        assert!(rests[14..].iter().all(|p| p.1 == way[14].1) && rests.len() == 26);
+        let mut scene = setting.clone();
+        add_hand(&mut scene, &next);
+        scene.check().unwrap();
+        assert_eq!(scene.duration, way.last().unwrap().0);
+        assert_eq!(scene.clamp[1].key.len(), way.len());
+        let text = greenstick::schema::write_toml(&scene);
+        assert_eq!(Setting::read(&text).unwrap(), scene);
+        // Twice in one frame it is steered once.
+        let again = steered(&setting, &next, old[10].0, [0.0, 0.0, 0.1]);
+        assert_eq!((again.before, again.by), (next.before, [0.0, 0.0, 0.1]));
+    }
 
     #[test]
     fn a_hand_takes_hold_of_free_wood_only() {
@@ -259,7 +370,8 @@ mod tests {
             match can_pull(&setting) {
                 Ok(()) => {
                     let at = [0.5, 0.8].into_iter().find(|at| grip(&clamps, *at).is_ok());
-                    add_hand(&mut setting, at.unwrap(), [0.0, 0.0, -0.1]);
+                    let hand = pulling(at.unwrap(), [0.0, 0.0, -0.1]);
+                    add_hand(&mut setting, &hand);
                     setting.check().unwrap();
                     assert_eq!(setting.clamp.len(), clamps.len() + 1, "{}", built_in.name);
                     let text = greenstick::schema::write_toml(&setting);

@@ -34,10 +34,21 @@ pub struct Hold {
     pub at: f64,
     /// How far a hand pulls, in parts of the stem's length along the axes of the scene; 0 for all else.
     pub by: [f64; 3],
+    /// Where a hand pulled to before, and the frame in which it was steered elsewhere.
+    pub before: Vec<Steered>,
+}
+
+/// A pull that was given up for another while the run went on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Steered {
+    /// The frame in which the hand was steered elsewhere.
+    pub frame: u32,
+    /// How far it was to pull, in parts of the stem's length along the axes of the scene.
+    pub by: [f64; 3],
 }
 
 /// Where a part of a scene is put, and how far it pulls.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Moved {
     /// The part.
     pub part: HoldPart,
@@ -45,18 +56,24 @@ pub struct Moved {
     pub at: f64,
     /// How far a hand pulls, in parts of the stem's length along the axes of the scene.
     pub by: [f64; 3],
+    /// Where a hand pulled to before.
+    pub before: Vec<Steered>,
 }
 
 impl From<&Hold> for Moved {
     fn from(hold: &Hold) -> Self {
-        let Hold { part, at, by, .. } = *hold;
-        Moved { part, at, by }
+        Moved {
+            part: hold.part,
+            at: hold.at,
+            by: hold.by,
+            before: hold.before.clone(),
+        }
     }
 }
 
 /// The hand among what was moved.
 pub fn hand_of(moved: &[Moved]) -> Option<Moved> {
-    moved.iter().find(|m| m.part == HoldPart::Hand).copied()
+    moved.iter().find(|m| m.part == HoldPart::Hand).cloned()
 }
 
 /// A place that a drag gives a part among others: short, on the stem, and the ends of a clamp in their order.
@@ -75,8 +92,13 @@ pub fn dragged(holds: &[Hold], part: HoldPart, at: f64) -> f64 {
 pub fn holds_of(setting: &Setting) -> Vec<Hold> {
     let mut holds = Vec::new();
     let mut hold = |part, name: String, at| {
-        let by = [0.0; 3];
-        holds.push(Hold { part, name, at, by });
+        holds.push(Hold {
+            part,
+            name,
+            at,
+            by: [0.0; 3],
+            before: Vec::new(),
+        });
     };
     for (i, clamp) in setting.clamp.iter().enumerate() {
         let name = format!("clamp {}", i + 1);
@@ -99,8 +121,8 @@ pub fn holds_of(setting: &Setting) -> Vec<Hold> {
 /// Moves parts of a scene. The hand is no part of it yet.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn move_holds(setting: &mut Setting, moved: &[Moved]) {
-    for &Moved { part, at, .. } in moved {
-        let place = match part {
+    for Moved { part, at, .. } in moved {
+        let place = match *part {
             HoldPart::ClampFrom(i) => setting.clamp.get_mut(i).map(|c| &mut c.from),
             HoldPart::ClampTo(i) => setting.clamp.get_mut(i).map(|c| &mut c.to),
             HoldPart::Force(i) => setting.force.get_mut(i).map(|f| &mut f.at),
@@ -108,7 +130,7 @@ pub fn move_holds(setting: &mut Setting, moved: &[Moved]) {
             HoldPart::Hand => None,
         };
         if let Some(place) = place {
-            *place = at;
+            *place = *at;
         }
     }
 }
@@ -146,6 +168,7 @@ mod tests {
             name: String::new(),
             at,
             by: [0.0; 3],
+            before: Vec::new(),
         };
         let (from, to) = (HoldPart::ClampFrom(0), HoldPart::ClampTo(0));
         let holds = [hold(from, 0.2), hold(to, 0.3)];

@@ -1,12 +1,12 @@
 //! A broken scene as the card draws it: one list of vertices, one of triangles, and batches of one material each.
 
 use super::look::WoodLook;
+use super::materials::{DecodedImages, Images, Opacity, Texture};
 use super::wire;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
-use greenstick::formats::photograph::{Photograph, read_photograph};
 use greenstick::geometry::mesh::NO_MATERIAL;
-use greenstick::geometry::{ImageSource, Material, Mesh, Node, Scene};
+use greenstick::geometry::{Material, Mesh, Node, Pixels, Scene};
 use greenstick::session::{Broken, NodeRole, PieceRole};
 use greenstick::skin::materials::without_color;
 use greenstick::wood::branch::BARK_MATERIAL_NAME;
@@ -87,11 +87,20 @@ pub struct Batch {
     pub base: [f32; 4],
     /// Metalness and roughness.
     pub metal_rough: [f32; 2],
-    /// Its texture, an index into [`DrawnScene::images`], with scale, offset and turn of its coordinates.
-    pub texture: Option<(usize, [f32; 4], f32)>,
+    /// The texture of its colour, among [`DrawnScene::images`].
+    pub texture: Option<Texture>,
+    /// The texture of its normals, among [`DrawnScene::reliefs`].
+    pub relief: Option<Texture>,
+    /// Where it is clear.
+    pub opacity: Opacity,
 }
 
 impl Batch {
+    /// Whether there may be holes in it. Wood and bark that Greenstick shades have none.
+    pub fn has_holes(&self) -> bool {
+        self.shading == Shading::Material && self.opacity != Opacity::Opaque
+    }
+
     /// The wood that a section opens in the first break's stem; of no triangles yet.
     pub(crate) const OPENED_WOOD: Batch = Batch {
         material: 0,
@@ -101,6 +110,8 @@ impl Batch {
         base: [0.5, 0.35, 0.2, 1.0],
         metal_rough: [0.0, 0.8],
         texture: None,
+        relief: None,
+        opacity: Opacity::Opaque,
     };
 }
 
@@ -130,9 +141,12 @@ pub struct DrawnScene {
     pub batches: Vec<Batch>,
     /// Pieces, by the number in their vertices.
     pub pieces: Vec<DrawnPiece>,
-    /// Decoded textures.
+    /// Decoded textures of colours.
     #[serde(with = "wire::images")]
-    pub images: Vec<Arc<Photograph>>,
+    pub images: Vec<Arc<Pixels>>,
+    /// Decoded textures of normals.
+    #[serde(with = "wire::images")]
+    pub reliefs: Vec<Arc<Pixels>>,
     /// The wood inside each break.
     pub woods: Vec<WoodLook>,
     /// The middle, m: what is subtracted from positions.
@@ -145,7 +159,7 @@ pub struct DrawnScene {
     /// Boxes around its triangles, some to each, in their order; none where they were not worked out ([`DrawnScene::survey`]).
     #[serde(with = "wire::plain")]
     pub boxes: Vec<Box3>,
-    /// Heights of the face below each break, as [`CrackFace`](super::placed_cracks::CrackFace) has them, likewise.
+    /// Heights of the face below each break, as [`CrackFace`](super::crack_face::CrackFace) has them, likewise.
     pub faces: Vec<Vec<f32>>,
 }
 
@@ -171,9 +185,6 @@ pub struct DrawnBreak {
 
 /// The number of what no break touched.
 const UNTOUCHED: f32 = 0.0;
-
-/// The images of a scene that were decoded, by their numbers; none for those that cannot be.
-pub type DecodedImages = BTreeMap<usize, Option<Arc<Photograph>>>;
 
 impl DrawnScene {
     /// A broken scene. `decoded` are the images of the scene that was broken, as far as they were needed before.
@@ -284,6 +295,11 @@ impl DrawnScene {
         self.pieces.iter().position(|p| p.name == name)
     }
 
+    /// The number of the piece at the stem's far end.
+    pub fn last_piece(&self) -> Option<usize> {
+        self.piece_at(f32::INFINITY)
+    }
+
     /// The number of the piece below a break.
     pub fn piece_below(&self, number: usize) -> Option<usize> {
         self.piece_at(self.breaks.get(number)?.length)
@@ -340,14 +356,19 @@ impl DrawnScene {
         decoded: &mut DecodedImages,
     ) {
         let blank = without_color(scene);
-        let mut images: BTreeMap<usize, Option<usize>> = BTreeMap::new();
+        let mut decoded_reliefs = decoded.clone();
+        let mut images = Images::new(scene, decoded);
+        let mut reliefs = Images::new(scene, &mut decoded_reliefs);
         for (number, corners) in by_material {
             let first = self.indices.len() as u32;
             let count = corners.len() as u32;
             self.indices.extend(corners);
             let material = scene.materials.get(number as usize);
             let wood = woods.iter().position(|w| *w == number);
-            let texture = material.and_then(|m| self.texture(scene, m, &mut images, decoded));
+            let texture = material.and_then(|m| images.texture(m.base_color_texture.as_ref()));
+            // Vertices have the first coordinates alone.
+            let relief = material.and_then(|m| m.normal_texture.as_ref());
+            let relief = reliefs.texture(relief.filter(|r| r.coordinates == 0));
             let own_bark = material.is_some_and(|m| m.name == BARK_MATERIAL_NAME);
             let is_blank = blank.get(number as usize).copied().unwrap_or(true);
             let shading = match wood {
@@ -367,34 +388,12 @@ impl DrawnScene {
                 base: m.base_color,
                 metal_rough: [m.metallic, m.roughness],
                 texture,
+                relief,
+                opacity: Opacity::of(m),
             });
         }
-    }
-
-    /// The texture of a material's base colour, decoded once.
-    fn texture(
-        &mut self,
-        scene: &Scene,
-        material: &Material,
-        images: &mut BTreeMap<usize, Option<usize>>,
-        decoded: &mut DecodedImages,
-    ) -> Option<(usize, [f32; 4], f32)> {
-        let reference = material.base_color_texture.as_ref()?;
-        let image = scene.textures.get(reference.texture)?.image?;
-        let decode = || {
-            let ImageSource::Bytes(bytes) = &scene.images.get(image)?.source else {
-                return None;
-            };
-            Some(Arc::new(read_photograph(bytes).ok()?))
-        };
-        let drawn = &mut self.images;
-        let found = *images.entry(image).or_insert_with(|| {
-            let known = decoded.entry(image).or_insert_with(decode).as_ref()?;
-            drawn.push(known.clone());
-            Some(drawn.len() - 1)
-        });
-        let (offset, turn, scale) = reference.transform.unwrap_or(([0.0; 2], 0.0, [1.0; 2]));
-        Some((found?, [scale[0], scale[1], offset[0], offset[1]], turn))
+        (self.images, self.reliefs) = (images.drawn, reliefs.drawn);
+        decoded.extend(decoded_reliefs);
     }
 }
 

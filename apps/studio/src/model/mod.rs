@@ -2,10 +2,13 @@
 
 pub mod breaks;
 pub mod command;
+pub mod crack_face;
 pub mod desk;
 pub mod early;
 pub mod engine;
 pub mod fan;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod frame_artist;
 pub mod hand;
 pub mod held;
 pub mod history;
@@ -13,6 +16,7 @@ pub mod holds;
 pub mod input;
 pub mod link;
 pub mod look;
+pub mod materials;
 pub mod meshes;
 pub mod painted;
 pub mod photograph;

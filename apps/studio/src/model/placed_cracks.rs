@@ -1,9 +1,7 @@
 //! Drying cracks that are placed by hand: what a drag over the wood means, and where a crack lies on it.
 
-use super::look::WoodLook;
-use super::meshes::{DrawnBreak, DrawnScene, Shading};
+pub use super::crack_face::{CrackFace, Polar};
 use super::project::Project;
-use glam::{Vec2, Vec3};
 use greenstick::RequestFile;
 use greenstick::fracture::parameters::{
     Crack, CrackEnd, CrackParameters, RadialCrack, TangentialCrack,
@@ -21,19 +19,8 @@ const INWARDS: f32 = 0.45;
 const OUTWARDS: f32 = 0.35;
 /// Range of depths, radii.
 const DEPTHS: (f64, f64) = (0.01, 40.0);
-/// Half the side of the map of heights, radii.
-const MAP_HALF: f32 = 1.5;
-/// Cells of the map of heights along a side.
-const CELLS: usize = 40;
-/// Cells to every side over which heights are averaged.
-const REACH: i32 = 2;
-/// Steps in which a ray is followed over the face.
-const STEPS: u16 = 256;
 /// Points along a course.
 const POINTS: usize = 25;
-
-/// A place in the section: ring coordinate, and angle about the pith, rad.
-pub type Polar = (f32, f32);
 
 /// The part of a crack that is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -177,216 +164,6 @@ pub fn describe(crack: &Crack) -> String {
     }
 }
 
-/// The broken face of the piece below a break, on which cracks are drawn: how high it is over each place of the section.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CrackFace {
-    at: DrawnBreak,
-    /// Where the axis is, moved with the piece.
-    place: Vec3,
-    look: WoodLook,
-    /// Half the side of the map, m.
-    half: f32,
-    heights: Vec<f32>,
-}
-
-impl CrackFace {
-    /// The face below a break of a scene; none where there is no such break.
-    pub fn new(scene: &DrawnScene, number: usize) -> Option<Self> {
-        let (at, look) = (*scene.breaks.get(number)?, scene.woods.get(number)?.clone());
-        let place = scene.break_place(number);
-        let known = scene.faces.get(number).filter(|f| f.len() == CELLS * CELLS);
-        let heights = match known {
-            Some(heights) => heights.clone(),
-            None => face_heights(scene, number),
-        };
-        scene.piece_below(number)?;
-        Some(CrackFace {
-            at,
-            place,
-            look,
-            half: MAP_HALF * at.radius,
-            heights,
-        })
-    }
-
-    /// Radius of the stem, m.
-    pub fn radius(&self) -> f32 {
-        self.at.radius
-    }
-
-    /// The direction of the stem.
-    pub fn along(&self) -> Vec3 {
-        self.at.along
-    }
-
-    /// The place in the section of grain coordinates, m.
-    pub fn polar(&self, across: Vec2) -> Polar {
-        self.look.address(across)
-    }
-
-    /// The height of the face at a place of the section, m over the break's.
-    pub fn height(&self, place: Polar) -> f32 {
-        self.height_across(self.look.point(place.0, place.1))
-    }
-
-    /// The height of the face at grain coordinates, between those of the cells around them.
-    fn height_across(&self, across: Vec2) -> f32 {
-        let at = (across / self.half * 0.5 + 0.5) * CELLS as f32 - 0.5;
-        let at = at.clamp(Vec2::ZERO, Vec2::splat(CELLS as f32 - 1.0));
-        let low = at.floor().min(Vec2::splat(CELLS as f32 - 2.0));
-        let part = at - low;
-        let height = |dx, dy| self.heights[(low.y as usize + dy) * CELLS + low.x as usize + dx];
-        let row = |dy| height(0, dy) + (height(1, dy) - height(0, dy)) * part.x;
-        row(0) + (row(1) - row(0)) * part.y
-    }
-
-    /// Where a ray (origin and direction) first meets the face as cracks are drawn on it, and the height there over the break's. None
-    /// where it comes from the side, below the edge of the face.
-    pub fn seen(&self, (origin, direction): (Vec3, Vec3)) -> Option<(Polar, f32)> {
-        let axes = [self.at.across[0], self.at.across[1], self.at.along];
-        let local = |v: Vec3| Vec3::from(axes.map(|axis| axis.dot(v)));
-        let (origin, direction) = (local(origin - self.place), local(direction));
-        let start = (f32::INFINITY, f32::NEG_INFINITY);
-        let heights = self.heights.iter();
-        let (bottom, top) = heights.fold(start, |(a, b), h| (a.min(*h), b.max(*h)));
-        let margin = 0.01 * self.at.radius;
-        let low = Vec3::new(-self.half, -self.half, bottom - margin);
-        let high = Vec3::new(self.half, self.half, top + margin);
-        let (a, b) = ((low - origin) / direction, (high - origin) / direction);
-        let (first, last) = (a.min(b).max_element().max(0.0), a.max(b).min_element());
-        let over = |t: f32| {
-            let p = origin + direction * t;
-            let across = p.truncate();
-            (self.polar(across).0 <= 1.0).then(|| p.z - self.height_across(across))
-        };
-        let mut above = None;
-        for step in 0..=STEPS {
-            let t = first + (last - first) * f32::from(step) / f32::from(STEPS);
-            match (over(t), above) {
-                (None, _) => above = None,
-                (Some(height), _) if height > 0.0 => above = Some(t),
-                (Some(_), None) => return None,
-                (Some(_), Some(before)) => {
-                    let (mut before, mut after) = (before, t);
-                    for _ in 0..12 {
-                        let middle = 0.5 * (before + after);
-                        match over(middle) {
-                            Some(height) if height > 0.0 => before = middle,
-                            _ => after = middle,
-                        }
-                    }
-                    let p = origin + direction * after;
-                    return Some((self.polar(p.truncate()), p.z));
-                }
-            }
-        }
-        None
-    }
-
-    /// Whether who looks in a direction sees the bark at an angle from outside.
-    pub fn is_outside(&self, angle: f32, direction: Vec3) -> bool {
-        let out = self.at.across[0] * angle.cos() + self.at.across[1] * angle.sin();
-        out.dot(direction) < 0.0
-    }
-
-    /// The point of the picture at a place of the section, and a height over the break's.
-    pub fn point(&self, place: Polar, height: f32) -> Vec3 {
-        self.point_across(self.look.point(place.0, place.1), height)
-    }
-
-    /// The point of the picture at grain coordinates, m, and a height over the break's.
-    pub fn point_across(&self, p: Vec2, height: f32) -> Vec3 {
-        self.place + self.at.across[0] * p.x + self.at.across[1] * p.y + self.at.along * height
-    }
-
-    /// The grain coordinates of a point of the picture, m.
-    pub fn across_of(&self, point: Vec3) -> Vec2 {
-        let d = point - self.place;
-        Vec2::new(d.dot(self.at.across[0]), d.dot(self.at.across[1]))
-    }
-
-    /// Where a ray (origin and direction) meets the section at a height over the break's; none along it.
-    pub fn met(&self, origin: Vec3, direction: Vec3, height: f32) -> Option<Polar> {
-        let speed = direction.dot(self.at.along);
-        if speed.abs() < 0.02 {
-            return None;
-        }
-        let from = self.place + self.at.along * height - origin;
-        let t = from.dot(self.at.along) / speed;
-        let d = origin + direction * t - self.place;
-        let across = Vec2::new(d.dot(self.at.across[0]), d.dot(self.at.across[1]));
-        (t > 0.0).then(|| self.polar(across))
-    }
-
-    /// The height over the break's of the point of a line along the stem, through a place of the section, that a ray comes nearest to.
-    pub fn height_met(&self, origin: Vec3, direction: Vec3, place: Polar) -> Option<f32> {
-        let (from, along) = (self.point(place, 0.0), self.at.along);
-        let across = along.cross(direction);
-        let square = across.length_squared();
-        (square > 1e-6).then(|| direction.cross(across).dot(origin - from) / square)
-    }
-}
-
-/// The heights of the face below a break of a scene, cell by cell; none where there is no such break.
-pub fn face_heights(scene: &DrawnScene, number: usize) -> Vec<f32> {
-    let (Some(&at), Some(piece)) = (scene.breaks.get(number), scene.piece_below(number)) else {
-        return Vec::new();
-    };
-    let half = MAP_HALF * at.radius;
-    let mut highest = vec![(0.0f32, 0u32); CELLS * CELLS];
-    let wood = |b: &&super::meshes::Batch| b.shading == Shading::Wood(number);
-    for batch in scene.batches.iter().filter(wood) {
-        let (first, last) = (batch.first as usize, (batch.first + batch.count) as usize);
-        for &i in &scene.indices[first..last] {
-            let v = &scene.vertices[i as usize];
-            if v.zone_piece[1] as usize != piece {
-                continue;
-            }
-            if let Some(cell) = cell(Vec2::new(v.grain[0], v.grain[1]), half) {
-                // The highest point: the walls of a crack lie below its rim.
-                let height = v.grain[2] - at.length;
-                let (known, count) = &mut highest[cell];
-                *known = if *count == 0 {
-                    height
-                } else {
-                    known.max(height)
-                };
-                *count = 1;
-            }
-        }
-    }
-    (0..CELLS * CELLS)
-        .map(|i| height_around(&highest, i))
-        .collect()
-}
-
-/// The mean height over a cell and those around it, so that lines over them are smooth; 0 where there is none.
-fn height_around(sums: &[(f32, u32)], cell: usize) -> f32 {
-    let (x, y) = ((cell % CELLS) as i32, (cell / CELLS) as i32);
-    let (mut total, mut count) = (0.0, 0);
-    for dy in -REACH..=REACH {
-        for dx in -REACH..=REACH {
-            let (x, y) = (x + dx, y + dy);
-            let inside = (0..CELLS as i32).contains(&x) && (0..CELLS as i32).contains(&y);
-            if let (true, Some((sum, n))) = (inside, sums.get((y * CELLS as i32 + x) as usize)) {
-                total += sum;
-                count += n;
-            }
-        }
-    }
-    if count == 0 {
-        0.0
-    } else {
-        total / count as f32
-    }
-}
-
-fn cell(across: Vec2, half: f32) -> Option<usize> {
-    let at = (across / half * 0.5 + 0.5) * CELLS as f32;
-    let inside = at.min_element() >= 0.0 && at.max_element() < CELLS as f32;
-    inside.then(|| at.y as usize * CELLS + at.x as usize)
-}
-
 impl Project {
     /// The cracks that are placed one by one at the selected break, or the first.
     pub fn placed_cracks(&self) -> &[Crack] {
@@ -399,10 +176,15 @@ impl Project {
         &one.recipe.cracks
     }
 
+    /// Where the cracks of that break are; none where it has none.
+    pub fn crack_end(&self) -> Option<CrackEnd> {
+        let cracks = self.cracks();
+        (!cracks.is_empty()).then_some(cracks.settings.end)
+    }
+
     /// Whether its cracks are in the sawn end of the stem, not in the broken face.
     pub fn cracks_are_sawn(&self) -> bool {
-        let cracks = self.cracks();
-        cracks.settings.end == CrackEnd::Sawn && !cracks.is_empty()
+        self.crack_end() == Some(CrackEnd::Sawn)
     }
 
     /// Changes the placed cracks of the selected break, or of all.
@@ -433,6 +215,8 @@ mod tests {
     use super::*;
     use crate::model::engine::{Engine, Haste, Job};
     use crate::model::input::Input;
+    use crate::model::meshes::DrawnScene;
+    use glam::{Vec2, Vec3};
     use greenstick::geometry::Context;
     use greenstick::schema::Parameters;
 

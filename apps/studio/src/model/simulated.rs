@@ -2,12 +2,8 @@
 
 use super::engine::Failure;
 use super::input::{Input, InputContent};
-use super::look::WoodLook;
-use super::meshes::{DecodedImages, DrawnScene};
-use super::simulation::{Chart, DrawnFrame, Line, Look, Outcome, Recorded, SceneEntry, Taken};
-use glam::{DAffine3, DVec3, Vec3};
+use super::simulation::{Chart, Line, Outcome, Recorded, SceneEntry, Taken};
 use greenstick::ErrorKind;
-use greenstick::fibre::bodies::Shape;
 use greenstick::fibre::scene::{BUILT_IN, Scene as Setting, StemChoice, UpChoice};
 use greenstick::fibre::simulate::{LoadCurves, energy_curves};
 use greenstick::fibre::store::{Checkpoint, EnergyRow, ForceRow, Frame, FrameTimes, Progress};
@@ -17,15 +13,15 @@ use greenstick::film::{DrawnFilm, FilmError, film_of_faces, open_run};
 use greenstick::formats::{Format, InputFormat, LengthUnit, read_content};
 use greenstick::geometry::Context;
 use greenstick::geometry::mesh::NO_MATERIAL;
-use greenstick::rods_scene;
 use greenstick::simulate::{
     MemoryRun, RunError, RunSink, RunSource, SceneMeshes, SimulateError, SimulateReport,
-    SimulateRequest, body_shapes, simulate,
+    SimulateRequest, simulate,
 };
 use greenstick::simulated_faces::{PartlyBroken, SimulatedFacesError, simulated_faces};
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run};
 use greenstick::wood::primitive::BranchOptions;
 use greenstick::wood::stem::StemLocation;
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -151,10 +147,30 @@ impl RunSource for Recording {
     }
 }
 
+/// What a run tells, and asks.
+pub struct Listener<'a> {
+    /// Is told of each frame.
+    pub tell: &'a (dyn Fn(&dyn RunSource) + Sync),
+    /// Is asked when a frame can be gone on from; says where else the hand is to pull to, if so.
+    pub steer: &'a (dyn Fn() -> Option<[f64; 3]> + Sync),
+}
+
+/// How a run came to an end.
+pub enum Ended {
+    /// It is over.
+    Over(Outcome),
+    /// The hand is to pull elsewhere from its last frame on.
+    Steered([f64; 3]),
+}
+
 /// Records a run and tells of each frame.
 struct Telling<'a> {
     recording: Recording,
-    tell: &'a (dyn Fn(&dyn RunSource) + Sync),
+    listener: &'a Listener<'a>,
+    /// Frames after which the run was asked whether to go on.
+    asked: u64,
+    /// Where the hand is to pull to, once that is asked for.
+    steered: Option<[f64; 3]>,
 }
 
 impl RunSink for Telling<'_> {
@@ -164,6 +180,10 @@ impl RunSink for Telling<'_> {
 
     fn resume(&mut self, progress: &Progress) -> Result<(), RunError> {
         self.recording.run().resume(progress)
+    }
+
+    fn steer(&mut self, scene: &Setting) -> Result<bool, RunError> {
+        self.recording.run().steer(scene)
     }
 
     fn energy(&mut self, row: &EnergyRow) -> Result<(), RunError> {
@@ -180,12 +200,22 @@ impl RunSink for Telling<'_> {
 
     fn frame(&mut self, frame: Frame) -> Result<(), RunError> {
         RunSink::frame(&mut *self.recording.run(), frame)?;
-        (self.tell)(&self.recording);
+        (self.listener.tell)(&self.recording);
         Ok(())
     }
 
     fn save(&mut self, checkpoint: Checkpoint) -> Result<(), RunError> {
-        self.recording.run().save(checkpoint)
+        let frames = checkpoint.progress.frames;
+        self.recording.run().save(checkpoint)?;
+        // Only a frame is stopped at: else there would be more stops than steps.
+        if frames > self.asked {
+            self.asked = frames;
+            self.steered = (self.listener.steer)();
+        }
+        match self.steered {
+            Some(_) => Err(RunError::Other("the hand is steered elsewhere".into())),
+            None => Ok(()),
+        }
     }
 }
 
@@ -223,28 +253,40 @@ impl RunSource for Telling<'_> {
     }
 }
 
-/// Runs a scene into `recording`; `tell` is told of each frame as it is recorded.
+/// Runs a scene into `recording`, or goes on with the run that is there. What it stops for can be gone on from.
 ///
 /// # Errors
 /// What is wrong with the scene, or that it was cancelled; what was recorded until then stays.
 pub fn run(
     (setting, meshes): (Setting, SceneMeshes),
     recording: &Recording,
-    tell: &(dyn Fn(&dyn RunSource) + Sync),
+    listener: &Listener,
     context: &Context,
-) -> Result<Outcome, Failure> {
+) -> Result<Ended, Failure> {
     setting.check().map_err(Failure::new)?;
+    let frames = recording.frames().map_or(0, |f| f.count() as u64);
     let request = SimulateRequest {
         scene: setting,
         meshes,
-        resume: false,
+        resume: frames > 0,
     };
     let mut telling = Telling {
         recording: recording.clone(),
-        tell,
+        listener,
+        asked: frames,
+        steered: None,
     };
-    let report = simulate(&request, &mut telling, context)?;
-    Ok(outcome(&report))
+    let simulated = simulate(&request, &mut telling, context);
+    match (simulated, telling.steered) {
+        (Err(_), Some(by)) => Ok(Ended::Steered(by)),
+        (report, _) => Ok(Ended::Over(outcome(&report?))),
+    }
+}
+
+/// Time of the frame that a run goes on from, s.
+pub fn time_of(recording: &Recording) -> f64 {
+    let checkpoint = recording.checkpoint().ok().flatten();
+    checkpoint.map_or(0.0, |c| c.world.state.time)
 }
 
 /// What the window says of a report.
@@ -278,8 +320,10 @@ fn outcome(report: &SimulateReport) -> Outcome {
             fact("Broke at", format!("{place:.3} m from the base"));
         }
     }
-    let [rods, _, bonds] = report.broke;
-    fact("Broken rods", format!("{rods} of {}", report.rods));
+    // A rod may break in several places.
+    let [breaks, _, bonds] = report.broke;
+    let broken = report.outcome.as_ref().map_or(0, |o| o.rods_broken);
+    fact("Broken rods", format!("{broken} of {}", report.rods));
     fact("Broken bonds", format!("{bonds} of {}", report.bonds));
     if let Some(time) = report.first_break_s {
         fact("First break", format!("{time:.3} s"));
@@ -290,7 +334,7 @@ fn outcome(report: &SimulateReport) -> Outcome {
     Outcome {
         facts,
         report: report.to_string(),
-        broke: rods + bonds > 0,
+        broke: breaks + bonds > 0,
     }
 }
 
@@ -302,16 +346,18 @@ pub fn recorded_outcome(source: &dyn RunSource) -> Result<Outcome, Failure> {
     let (events, forces) = (source.events(), source.forces());
     let events = events.map_err(SimulateError::from)?;
     let forces = forces.map_err(SimulateError::from)?;
-    let count = |kind| events.iter().filter(|e| e.kind == kind).count();
-    let [rods, bonds] = [EventKind::RodBroke, EventKind::BondBroke].map(count);
+    let of = |kind| events.iter().filter(move |e| e.kind == kind);
+    // A rod may break in several places, a bond once.
+    let rods: BTreeSet<u32> = of(EventKind::RodBroke).map(|e| e.rod).collect();
+    let (rods, bonds) = (rods.len(), of(EventKind::BondBroke).count());
     let greatest = |of: fn(&ForceRow) -> f64| forces.iter().map(of).fold(0.0, f64::max);
     let [force, moment] = [
         greatest(|r| r.force.length()),
         greatest(|r| r.moment.length()),
     ];
     let mut facts = vec![
-        ("Breaks of rods".to_owned(), rods.to_string()),
-        ("Breaks of bonds".to_owned(), bonds.to_string()),
+        ("Broken rods".to_owned(), rods.to_string()),
+        ("Broken bonds".to_owned(), bonds.to_string()),
     ];
     for (name, value, unit) in [
         ("Greatest load", force, "N"),
@@ -347,134 +393,6 @@ pub fn recorded(source: &dyn RunSource) -> Recorded {
             lines: energies.into_iter().map(line).collect(),
         },
     }
-}
-
-/// Draws frames of a run.
-pub struct FrameArtist {
-    source: Arc<dyn RunSource>,
-    meshes: SceneMeshes,
-    shapes: Option<Vec<Shape>>,
-    /// The middle of the first frame, which all frames are drawn about, and its radius.
-    rest: Option<(DVec3, f64)>,
-    /// The axis of the stem there, about that middle.
-    axis: Arc<Vec<Vec3>>,
-    /// The wood, once it is cut.
-    film: Option<(DrawnFilm, Vec<(u32, WoodLook)>)>,
-    decoded: DecodedImages,
-}
-
-impl FrameArtist {
-    /// One for a run, and the meshes that its scene names.
-    pub fn new(source: Arc<dyn RunSource>, meshes: SceneMeshes) -> Self {
-        FrameArtist {
-            source,
-            meshes,
-            shapes: None,
-            rest: None,
-            axis: Arc::default(),
-            film: None,
-            decoded: DecodedImages::new(),
-        }
-    }
-
-    /// Has it draw wood from now on.
-    pub fn take_film(&mut self, film: DrawnFilm) {
-        let woods = film.broken.woods.iter();
-        let looks = woods.map(|w| (w.material, WoodLook::new(w))).collect();
-        self.film = Some((film, looks));
-    }
-
-    /// Draws a frame; as rods where there is no wood. Files have y up, and so has the picture.
-    ///
-    /// # Errors
-    /// Where the frame cannot be read.
-    pub fn draw(&mut self, number: usize, look: Look) -> Result<DrawnFrame, Failure> {
-        let (middle, rest_radius) = match self.rest {
-            Some(rest) => rest,
-            None => {
-                let first = DrawnScene::unbroken(&self.rods(0)?);
-                let frame = self.source.frame(0).map_err(SimulateError::from)?;
-                let axis = axis(&frame).into_iter();
-                let drawn = axis.map(|p| (upright().transform_point3(p) - first.middle).as_vec3());
-                self.axis = Arc::new(drawn.collect());
-                (first.middle, first.radius)
-            }
-        };
-        self.rest = Some((middle, rest_radius));
-        let axis = self.axis.clone();
-        if let (Look::Wood, Some((film, looks))) = (look, &mut self.film) {
-            let scene = film.skinned.at(number).map_err(FilmError::from)?;
-            let scene = DrawnScene::moved(&scene, looks, middle, &mut self.decoded);
-            return Ok(DrawnFrame {
-                scene,
-                rest_radius,
-                axis,
-            });
-        }
-        let rods = self.rods(number)?;
-        let plain = &mut DecodedImages::new();
-        let scene = DrawnScene::moved(&rods, &[], middle, plain);
-        Ok(DrawnFrame {
-            scene,
-            rest_radius,
-            axis,
-        })
-    }
-
-    fn rods(&mut self, number: usize) -> Result<greenstick::geometry::Scene, Failure> {
-        let frame = self.source.frame(number).map_err(SimulateError::from)?;
-        let shapes = match &mut self.shapes {
-            Some(shapes) => shapes,
-            none => {
-                let setting = self.source.scene().map_err(SimulateError::from)?;
-                none.insert(body_shapes(&setting, &self.meshes)?)
-            }
-        };
-        let mut scene = rods_scene(&frame, shapes);
-        for node in &mut scene.nodes {
-            node.transform = upright() * node.transform;
-        }
-        Ok(scene)
-    }
-}
-
-/// Turns what has z up to have y up.
-fn upright() -> DAffine3 {
-    DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2)
-}
-
-/// Points along the axis of a stem, and the part of the longest rod's length from which on a rod runs along all of the stem.
-const AXIS_POINTS: usize = 33;
-const WHOLE: f64 = 0.95;
-
-/// The axis of the stem of a frame in even steps: the middle of the rods that run along all of it.
-fn axis(frame: &Frame) -> Vec<DVec3> {
-    let point = |i: u32| DVec3::from(frame.position[i as usize].map(f64::from));
-    let rods = frame.rod_offsets.windows(2).filter(|r| r[1] > r[0] + 1);
-    let rods: Vec<Vec<DVec3>> = rods.map(|r| (r[0]..r[1]).map(point).collect()).collect();
-    let length = |rod: &[DVec3]| rod.windows(2).map(|p| p[0].distance(p[1])).sum::<f64>();
-    let longest = rods.iter().map(|r| length(r)).fold(0.0, f64::max);
-    let whole: Vec<_> = rods
-        .iter()
-        .filter(|r| length(r) >= WHOLE * longest)
-        .collect();
-    let at = |rod: &[DVec3], part: f64| {
-        let mut left = part * length(rod);
-        for pair in rod.windows(2) {
-            let step = pair[0].distance(pair[1]);
-            if left <= step && step > 0.0 {
-                return pair[0].lerp(pair[1], left / step);
-            }
-            left -= step;
-        }
-        rod[rod.len() - 1]
-    };
-    if whole.is_empty() {
-        return Vec::new();
-    }
-    let parts = (0..AXIS_POINTS).map(|k| k as f64 / (AXIS_POINTS - 1) as f64);
-    let sum = |part: f64| whole.iter().map(|r| at(r, part)).sum::<DVec3>();
-    parts.map(|part| sum(part) / whole.len() as f64).collect()
 }
 
 /// A run that ended, as the break that it left is taken from it.

@@ -1,6 +1,7 @@
 //! A simulation as the window sees it: what is asked, what is told, and where its playback is. Knows nothing of rods.
 
 use super::engine::Failure;
+use super::hand::HandPlace;
 use super::holds::{Hold, Moved};
 use super::input::Input;
 use super::meshes::DrawnScene;
@@ -69,6 +70,9 @@ pub enum Look {
     Rods,
     /// As wood, cut along the faces that the end of the run decided.
     Wood,
+    /// As what shows the run best: the whole wood before its first break, then rods, and where the end of the run decided faces that
+    /// show it well, wood.
+    Best,
 }
 
 /// A curve of a chart.
@@ -79,6 +83,9 @@ pub struct Line {
     /// Its points.
     pub points: Vec<[f64; 2]>,
 }
+
+/// Joules, newtons and metres below which a curve is rounding.
+const NOTHING: f64 = 1e-15;
 
 /// A chart.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -100,10 +107,13 @@ impl Chart {
             low = [low[0].min(*x), low[1].min(*y)];
             high = [high[0].max(*x), high[1].max(*y)];
         }
-        // What does not move is still a range.
-        for (high, low) in high.iter_mut().zip(low) {
-            if *high <= low {
-                *high = low + 1.0;
+        // What does not move is still a range, and what rounding leaves of nothing is nothing.
+        for (high, low) in high.iter_mut().zip(&mut low) {
+            if *high - *low <= NOTHING {
+                if low.abs() <= NOTHING {
+                    *low = 0.0;
+                }
+                *high = *low + 1.0;
             }
         }
         Some([low, high])
@@ -163,6 +173,8 @@ pub struct Begun {
     pub holds: Vec<Hold>,
     /// Whether a hand can pull on its wood, or why not.
     pub pull: Result<(), String>,
+    /// The way of the hand, frame by frame; empty where there is none.
+    pub hand_way: Vec<HandPlace>,
 }
 
 /// What is told of a simulation.
@@ -170,6 +182,8 @@ pub struct Begun {
 pub enum News {
     /// It begins.
     Begun(Begun),
+    /// The hand was steered elsewhere: what it does now, and its way.
+    Steered(Moved, Vec<HandPlace>),
     /// There is more of it.
     Recorded(Recorded),
     /// It ended.
@@ -300,6 +314,11 @@ mod tests {
             ..Chart::default()
         };
         assert_eq!(flat.bounds(), Some([[0.5, 0.0], [1.5, 1.0]]));
+        let rounding = Chart {
+            lines: vec![line(&[[0.0, 4e-23], [1.0, -1e-23]])],
+            ..Chart::default()
+        };
+        assert_eq!(rounding.bounds(), Some([[0.0, 0.0], [1.0, 1.0]]));
         assert_eq!(Chart::default().bounds(), None);
     }
 }

@@ -1,7 +1,7 @@
 //! What is worked out beside the window of a scene that is drawn, so that the pointer finds its place on it at once.
 
+use super::crack_face::face_heights;
 use super::meshes::{Box3, DrawnScene};
-use super::placed_cracks::face_heights;
 use glam::Vec3;
 use rayon::iter::ParallelIterator;
 use rayon::slice::ParallelSlice;

@@ -2,7 +2,7 @@
 //! know it themselves, and for lists of plain numbers, which are copied as they lie in memory.
 
 use bytemuck::{AnyBitPattern, NoUninit};
-use greenstick::formats::photograph::Photograph;
+use greenstick::geometry::Pixels;
 use serde::de::{Error, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt;
@@ -125,9 +125,9 @@ through! {
     /// Places on a stem.
     place: Option<StemLocation>, Option<(u8, [f64; 3])>, |place| place.map(place_numbers), |place| place.map(place_of);
     /// Textures.
-    images: Vec<Arc<Photograph>>, Vec<(u32, u32, Vec<u8>)>,
-        |all| all.iter().map(|i| (i.width, i.height, i.rgb.clone())).collect(),
-        |all| all.into_iter().map(|(width, height, rgb)| Arc::new(Photograph { width, height, rgb })).collect();
+    images: Vec<Arc<Pixels>>, Vec<(u32, u32, Vec<u8>)>,
+        |all| all.iter().map(|i| (i.width, i.height, i.rgba.clone())).collect(),
+        |all| all.into_iter().map(|(width, height, rgba)| Arc::new(Pixels { width, height, rgba })).collect();
 }
 
 fn place_numbers(place: StemLocation) -> (u8, [f64; 3]) {

@@ -110,6 +110,9 @@ pub trait Platform {
     fn pause_simulation(&mut self, _paused: bool) {}
     /// Lets a run that is held go on to its next frame.
     fn step_simulation(&mut self) {}
+    /// Has the hand of the run that goes on pull elsewhere from its present frame on: so many parts of the stem's length along the axes of
+    /// the scene.
+    fn steer_simulation(&mut self, _by: [f64; 3]) {}
     /// Writes the scene of a simulation, with parts of it where they were moved.
     ///
     /// # Errors

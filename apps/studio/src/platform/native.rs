@@ -298,6 +298,10 @@ impl Platform for Native {
         self.simulator.pause(paused);
     }
 
+    fn steer_simulation(&mut self, by: [f64; 3]) {
+        self.simulator.steer(by);
+    }
+
     fn step_simulation(&mut self) {
         self.simulator.step();
     }

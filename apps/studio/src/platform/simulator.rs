@@ -4,18 +4,19 @@ use super::gate::Gate;
 use super::working::{Wake, Working};
 use super::{Done, WorkProgress};
 use crate::model::engine::Failure;
-use crate::model::hand::{BY_HAND, add_hand, can_pull};
-use crate::model::holds::{hand_of, holds_of, move_holds};
+use crate::model::frame_artist::FrameArtist;
+use crate::model::hand::{BY_HAND, add_hand, can_pull, hand_way, steered};
+use crate::model::holds::{Moved, hand_of, holds_of, move_holds};
 use crate::model::input::{Input, InputContent};
 use crate::model::simulated::{
-    EndedRun, FrameArtist, Recording, RunStem, put_on, recorded, recorded_outcome, run,
+    Ended, EndedRun, Listener, Recording, RunStem, put_on, recorded, recorded_outcome, run, time_of,
 };
-use crate::model::simulation::{Begun, Look, News, SimulationJob, Source};
+use crate::model::simulation::{Begun, Look, News, Outcome, SimulationJob, Source};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
 use greenstick::files;
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::formats::{Content, Reach};
-use greenstick::geometry::{Scene as Meshes, Stage};
+use greenstick::geometry::{Context, Scene as Meshes, Stage};
 use greenstick::schema::write_toml;
 use greenstick::simulate::{RunSource, SceneMeshes};
 use std::path::{Path, PathBuf};
@@ -33,6 +34,8 @@ struct Current {
     artist: Artist,
     /// Holds the run between two frames.
     gate: Arc<Gate>,
+    /// Where the hand is to pull to from the next frame on, once that is asked for.
+    steer: Arc<Mutex<Option<[f64; 3]>>>,
     /// The run, once it ended.
     ended: Arc<Mutex<Option<EndedRun>>>,
 }
@@ -104,6 +107,12 @@ impl Simulator {
         self.current.gate.step();
     }
 
+    /// Has the hand pull elsewhere from the present frame on; a run that is held goes on to its next frame.
+    pub fn steer(&self, by: [f64; 3]) {
+        *locked(&self.current.steer) = Some(by);
+        self.current.gate.step();
+    }
+
     /// Begins another simulation.
     pub fn begin(&mut self, job: SimulationJob) {
         self.cancel();
@@ -119,6 +128,7 @@ impl Simulator {
             working: self.current.working.clone(),
             artist: self.current.artist.clone(),
             gate: self.current.gate.clone(),
+            steer: self.current.steer.clone(),
             ended: self.current.ended.clone(),
         };
         let working = shared.working.clone();
@@ -199,8 +209,10 @@ fn read_scene(source: &Source) -> Result<(Setting, PathBuf), Failure> {
 
 /// The scene of a job.
 struct JobScene {
-    /// The scene, with its parts where they were moved, and the hand.
+    /// The scene, with its parts where they were moved, without the hand.
     setting: Setting,
+    /// The hand.
+    hand: Option<Moved>,
     /// Where its files are.
     beside: PathBuf,
     /// The stem at hand, where the scene is put on that.
@@ -209,6 +221,15 @@ struct JobScene {
     begun: Begun,
     /// The meshes that the scene is put on.
     input: Option<Meshes>,
+}
+
+/// A scene with a hand.
+fn with_hand(setting: &Setting, hand: Option<&Moved>) -> Setting {
+    let mut setting = setting.clone();
+    if let Some(hand) = hand {
+        add_hand(&mut setting, hand);
+    }
+    setting
 }
 
 fn job_scene(job: &SimulationJob) -> Result<JobScene, Failure> {
@@ -222,16 +243,17 @@ fn job_scene(job: &SimulationJob) -> Result<JobScene, Failure> {
     }
     let pull = can_pull(&setting);
     move_holds(&mut setting, &job.moved);
+    let hand = hand_of(&job.moved);
+    let way = hand.as_ref().map(|hand| hand_way(&setting, hand));
     let begun = Begun {
         about: setting.about.clone(),
         holds: holds_of(&setting),
         pull,
+        hand_way: way.unwrap_or_default(),
     };
-    if let Some(hand) = hand_of(&job.moved) {
-        add_hand(&mut setting, hand.at, hand.by);
-    }
     Ok(JobScene {
         setting,
+        hand,
         beside,
         stem,
         begun,
@@ -245,8 +267,12 @@ fn job_scene(job: &SimulationJob) -> Result<JobScene, Failure> {
 /// Where it cannot be read or written, or would no longer find the meshes of its bodies.
 pub fn save_scene(path: &str, job: &SimulationJob) -> Result<(), Failure> {
     let JobScene {
-        setting, beside, ..
+        setting,
+        hand,
+        beside,
+        ..
     } = job_scene(job)?;
+    let setting = with_hand(&setting, hand.as_ref());
     let path = Path::new(path);
     let whole = |folder: &Path| std::path::absolute(folder).map_err(Failure::new);
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -268,7 +294,42 @@ struct Shared {
     working: Working,
     artist: Artist,
     gate: Arc<Gate>,
+    steer: Arc<Mutex<Option<[f64; 3]>>>,
     ended: Arc<Mutex<Option<EndedRun>>>,
+}
+
+impl Shared {
+    /// Runs a scene, with a hand that may be steered elsewhere while it goes on.
+    fn run(
+        &self,
+        (setting, hand, meshes): (&Setting, Option<Moved>, &SceneMeshes),
+        recording: &Recording,
+        teller: &Teller,
+        context: &Context,
+    ) -> Result<Outcome, Failure> {
+        let tell = |source: &dyn RunSource| teller.tell(News::Recorded(recorded(source)));
+        let steer = || {
+            self.gate.pass(&self.working.token);
+            locked(&self.steer).take()
+        };
+        let listener = Listener {
+            tell: &tell,
+            steer: &steer,
+        };
+        let mut hand = hand;
+        loop {
+            let scene = with_hand(setting, hand.as_ref());
+            let by = match run((scene, meshes.clone()), recording, &listener, context)? {
+                Ended::Over(outcome) => return Ok(outcome),
+                Ended::Steered(by) => by,
+            };
+            if let Some(hand) = &mut hand {
+                *hand = steered(setting, hand, time_of(recording), by);
+                let way = hand_way(setting, hand);
+                teller.tell(News::Steered(hand.clone(), way));
+            }
+        }
+    }
 }
 
 /// Runs a scene, or reads a run, and makes wood of it.
@@ -276,9 +337,13 @@ fn work(job: SimulationJob, shared: &Shared, teller: &Teller) -> Result<(), Fail
     let Shared {
         working,
         artist,
-        gate,
         ended,
+        ..
     } = shared;
+    let artist_of = |source: &Arc<dyn RunSource>, meshes: &SceneMeshes| {
+        let (source, token) = (source.clone(), working.token.clone());
+        *locked(artist) = Some(FrameArtist::new(source, meshes.clone(), token));
+    };
     let context = working.context(&teller.wake);
     let [running, opening] = context.split([(SIMULATE, 6.0), (WOOD, 1.0)]);
     let (source, meshes, stem) = match &job.source {
@@ -289,8 +354,9 @@ fn work(job: SimulationJob, shared: &Shared, teller: &Teller) -> Result<(), Fail
                 about: scene.about,
                 holds: Vec::new(),
                 pull: Err("This run was recorded: it is what it is. Open its scene file to pull on its wood.".to_owned()),
+                hand_way: Vec::new(),
             }));
-            *locked(artist) = Some(FrameArtist::new(source.clone(), meshes.clone()));
+            artist_of(&source, &meshes);
             teller.tell(News::Recorded(recorded(&*source)));
             let outcome = recorded_outcome(&*source)?;
             teller.tell(News::Ended(Ok(outcome)));
@@ -299,13 +365,14 @@ fn work(job: SimulationJob, shared: &Shared, teller: &Teller) -> Result<(), Fail
         _ => {
             let JobScene {
                 mut setting,
+                hand,
                 beside,
                 stem,
                 begun,
                 input,
             } = job_scene(&job)?;
             teller.tell(News::Begun(begun));
-            if job.source == Source::ByHand && hand_of(&job.moved).is_none() {
+            if job.source == Source::ByHand && hand.is_none() {
                 // Nothing moves before a hand does.
                 setting.duration = 0.0;
             }
@@ -316,12 +383,9 @@ fn work(job: SimulationJob, shared: &Shared, teller: &Teller) -> Result<(), Fail
             };
             let recording = Recording::default();
             let source: Arc<dyn RunSource> = Arc::new(recording.clone());
-            *locked(artist) = Some(FrameArtist::new(source.clone(), meshes.clone()));
-            let tell = |source: &dyn RunSource| {
-                teller.tell(News::Recorded(recorded(source)));
-                gate.pass(&working.token);
-            };
-            let outcome = run((setting, meshes.clone()), &recording, &tell, &running)?;
+            artist_of(&source, &meshes);
+            let scene = (&setting, hand, &meshes);
+            let outcome = shared.run(scene, &recording, teller, &running)?;
             teller.tell(News::Recorded(recorded(&recording)));
             teller.tell(News::Ended(Ok(outcome)));
             (source, meshes, stem)
@@ -336,7 +400,7 @@ fn work(job: SimulationJob, shared: &Shared, teller: &Teller) -> Result<(), Fail
     match wood() {
         Ok((film, best)) => {
             if let Some(artist) = &mut *locked(artist) {
-                artist.take_film(film);
+                artist.take_film(film, best);
             }
             teller.tell(News::Wood(Ok(best)));
         }

@@ -1,6 +1,7 @@
 //! Taking what came to an end: pictures of breaks, files that were read or written.
 
-use super::studio::{AtWork, Message, Studio};
+use super::message::Message;
+use super::studio::{AtWork, Studio};
 use crate::model::engine::{Failure, Haste, Shown};
 use crate::model::input::Input;
 use crate::model::meshes::DrawnScene;
@@ -82,8 +83,7 @@ impl Studio {
         }
         self.messages.push(Message {
             text: format!("Broken at {place}: {}.", failure.message),
-            is_error: false,
-            place: None,
+            ..Message::default()
         });
         self.wanted = Some(false);
         true
@@ -102,7 +102,11 @@ impl Studio {
         self.rests_at = shown.coarse.then_some(now + RESTS_AFTER);
         self.take_sections(shown.sections.take());
         self.draw(std::mem::take(&mut shown.drawn));
+        let is_new = self.shown.is_none();
         self.shown = Some(shown);
+        if is_new {
+            self.ask_for_unit();
+        }
         if first && self.apart() > 0.0 {
             self.wanted = Some(false);
         }

@@ -20,6 +20,10 @@ pub struct CrackTool {
     pub on: bool,
     pub(super) selected: Option<usize>,
     pub(super) held: Option<Held>,
+    /// Whether the first crack is being placed at the sawn end.
+    pub(super) at_end: bool,
+    /// The sawn end, by the number of what is drawn and the break.
+    pub(super) end: Option<(u64, usize, Option<Arc<CrackFace>>)>,
     /// The face that cracks are drawn on, by the number of what is drawn and the break.
     pub(super) face: Option<(u64, usize, Option<Arc<CrackFace>>)>,
 }

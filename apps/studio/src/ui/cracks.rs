@@ -8,7 +8,7 @@ use crate::model::placed_cracks::{
 };
 use crate::view::pick::{Picked, pick};
 use eframe::egui::{self, Color32, Key, Modifiers, Pos2, Rect, RichText, Shape, Stroke, Ui, Vec2};
-use greenstick::fracture::parameters::{Crack, CrackEnd};
+use greenstick::fracture::parameters::Crack;
 use std::sync::Arc;
 
 /// Radius of a dot, points, and of what takes hold of it.
@@ -26,7 +26,7 @@ impl Studio {
         self.cracks.held = None;
         self.paint.on &= !self.cracks.on;
         self.said = match self.cracks.on {
-            true => "Drag over the broken wood to place a crack.".to_owned(),
+            true => "Drag over the broken wood, or over the sawn end, to place a crack.".to_owned(),
             false => String::new(),
         };
     }
@@ -48,14 +48,11 @@ impl Studio {
     }
 
     /// Whether cracks cannot be placed here by hand, and why.
-    fn why_no_cracks(&self) -> Option<&'static str> {
+    pub(super) fn why_no_cracks(&self) -> Option<&'static str> {
         let kind = self.shown.as_ref().map(|s| s.report.place.kind.as_str());
         match kind {
             Some("board" | "dowel") => Some(
                 "The rings of a board are arcs: set its cracks by their parameters, under Drying cracks.",
-            ),
-            _ if self.project.cracks_are_sawn() => Some(
-                "The cracks of this request are in the sawn end. The parameter End, under Drying cracks, brings them to the break.",
             ),
             _ => None,
         }
@@ -84,7 +81,7 @@ impl Studio {
 
     /// Where the dot of a crack's part is in the window.
     pub fn crack_dot(&mut self, number: usize, part: CrackEndPoint) -> Option<Pos2> {
-        let (rect, face) = (self.viewport_rect?, self.crack_face()?);
+        let (rect, face) = (self.viewport_rect?, self.crack_site()?);
         let dots = self.crack_dots(rect, &face);
         let found = dots.into_iter().find(|d| (d.0, d.1) == (number, part));
         found.map(|d| d.2)
@@ -97,12 +94,19 @@ impl Studio {
         self.in_window(rect, face.point(place, face.height(place)))
     }
 
+    /// Where a place on the sawn end is in the window.
+    pub fn end_place_at(&mut self, rho: f32, angle: f32) -> Option<Pos2> {
+        let (rect, face) = (self.viewport_rect?, self.end_face()?);
+        let place = (rho, angle);
+        self.in_window(rect, face.point(place, face.height(place)))
+    }
+
     /// Draws the cracks and their dots.
     pub(super) fn paint_cracks(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
-        if !self.cracks.on || self.project.cracks_are_sawn() {
+        if !self.cracks.on {
             return;
         }
-        let Some(face) = self.crack_face() else {
+        let Some(face) = self.crack_site() else {
             return;
         };
         let painter = ui.painter_at(rect);
@@ -185,7 +189,7 @@ impl Studio {
             return false;
         }
         let pos = response.interact_pointer_pos();
-        if let (Some(pos), Some(face)) = (pos, self.crack_face()) {
+        if let (Some(pos), Some(face)) = (pos, self.crack_site()) {
             self.move_crack(rect, &face, held, pos, now);
         }
         true
@@ -233,7 +237,7 @@ impl Studio {
     }
 
     fn hold_crack(&mut self, rect: Rect, pos: Pos2) {
-        let Some(face) = self.crack_face() else {
+        let Some(face) = self.crack_site() else {
             return;
         };
         if let Some((number, part, height)) = self.dot_at(rect, &face, pos) {
@@ -241,37 +245,46 @@ impl Studio {
             self.cracks.held = Some(Held::Part(number, part, height));
             return;
         }
-        let Some((place, height)) = self.place_on_face(rect, &face, pos) else {
-            return;
-        };
-        match self.why_no_cracks() {
-            Some(why) => self.said = why.to_owned(),
-            None => self.cracks.held = Some(Held::New(place, height, None)),
+        match self.choose_site(rect, pos) {
+            Err(why) => self.said = why.to_owned(),
+            Ok(Some((_, place, height))) => {
+                self.cracks.held = Some(Held::New(place, height, None));
+            }
+            Ok(None) => {}
         }
     }
 
     fn click_crack(&mut self, rect: Rect, pos: Pos2, now: f64) {
-        let Some(face) = self.crack_face() else {
+        let Some(face) = self.crack_site() else {
             return;
         };
         if let Some((number, _, _)) = self.dot_at(rect, &face, pos) {
             self.cracks.selected = Some(number);
             return;
         }
-        // A click on another piece places a crack as well: it is the same wood.
-        let elsewhere = || self.grain_place(&face, &self.picked(rect, pos)?);
-        let place = self.place_on_face(rect, &face, pos).or_else(elsewhere);
-        let (Some((place, height)), None) = (place, self.why_no_cracks()) else {
-            self.said = self
-                .why_no_cracks()
-                .unwrap_or("That is not the stem.")
-                .to_owned();
-            return;
+        let site = match self.choose_site(rect, pos) {
+            Ok(Some(site)) => Ok(site),
+            Err(why) => Err(why),
+            Ok(None) => {
+                // A click on another piece places a crack as well: it is the same wood.
+                let picked = self.picked(rect, pos);
+                let place = picked.and_then(|picked| self.grain_place(&face, &picked));
+                let place = place.map(|(place, height)| (face, place, height));
+                place.ok_or("That is not the stem.")
+            }
         };
+        let (face, place, height) = match site {
+            Ok(site) => site,
+            Err(why) => {
+                self.said = why.to_owned();
+                return;
+            }
+        };
+        let end = self.site_end();
         let crack = drawn_crack(&face, (place, height), (place, height));
         self.cracks.selected = Some(self.project.placed_cracks().len());
         let added = self.project.change_cracks("crack", false, |cracks| {
-            cracks.settings.end = CrackEnd::Break;
+            cracks.settings.end = end;
             cracks.cracks.push(crack.clone());
         });
         self.said = describe(&crack);
@@ -283,7 +296,7 @@ impl Studio {
         let (number, crack) = match held {
             Held::New(from, height, number) => {
                 let on_bark = from.0 >= BARK;
-                let under = self.place_on_face(rect, face, pos);
+                let under = self.place_on_site(rect, face, pos);
                 // Beside the stem, the face goes on at the height where the drag began.
                 let beside = || Some((face.met(origin, direction, height)?, height));
                 let to = if on_bark {
@@ -323,11 +336,12 @@ impl Studio {
 
     /// Puts a crack in the place of one, or after the last, as part of a drag.
     fn put_crack(&mut self, number: usize, crack: &Crack, now: f64) {
+        let end = self.site_end();
         let put = self.project.change_cracks("crack", true, |cracks| {
             match cracks.cracks.get_mut(number) {
                 Some(known) => *known = crack.clone(),
                 None => {
-                    cracks.settings.end = CrackEnd::Break;
+                    cracks.settings.end = end;
                     cracks.cracks.push(crack.clone());
                 }
             }
@@ -378,7 +392,7 @@ impl Studio {
             return;
         }
         let now = ui.input(|i| i.time);
-        ui.horizontal_wrapped(|ui| {
+        ui.horizontal(|ui| {
             ui.label("Cracks");
             if let Some(why) = self.why_no_cracks() {
                 ui.weak(why);
@@ -393,6 +407,7 @@ impl Studio {
                     self.cracks.selected = Some(number);
                 }
             }
+            self.crack_end_choice(ui, now);
             let chosen = self.cracks.selected.filter(|n| *n < placed);
             let remove = ui.add_enabled(chosen.is_some(), egui::Button::new("Remove crack"));
             if remove.on_hover_text("Takes the selected crack away (Delete).").clicked() {
@@ -400,10 +415,11 @@ impl Studio {
             }
             let text = match chosen {
                 Some(number) => describe(&self.project.placed_cracks()[number]),
-                None => "Drag over the broken wood: along a ray, or around the pith for a ring shake. On the bark, along the stem."
+                None => "Drag over the broken wood or the sawn end: along a ray, or around the pith for a ring shake. On the bark, along the stem."
                     .to_owned(),
             };
-            ui.label(RichText::new(text).weak());
+            // A row more would shift the picture under the pointer.
+            ui.add(egui::Label::new(RichText::new(text).weak()).truncate());
         });
     }
 }

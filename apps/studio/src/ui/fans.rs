@@ -2,6 +2,7 @@
 
 use super::colours::ACCENT;
 use super::fan_tool::{FanGrip, HeldFan};
+use super::labels::paint_label;
 use super::studio::Studio;
 use crate::model::fan::{Fan, FanKind, FanPart};
 use crate::model::placed_cracks::{CrackFace, Polar};
@@ -208,13 +209,7 @@ impl Studio {
         } else {
             CursorIcon::Grab
         });
-        let at = dot + Vec2::new(14.0, -14.0);
-        let font = egui::FontId::proportional(13.0);
-        let text = describe(kind, &fan, part);
-        let galley = painter.layout_no_wrap(text, font, ACCENT);
-        let place = egui::Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
-        painter.rect_filled(place.expand(3.0), 3.0, Color32::from_black_alpha(150));
-        painter.galley(place.min, galley, ACCENT);
+        paint_label(&painter, dot, describe(kind, &fan, part), ACCENT);
     }
 
     /// The wood of the fan, tinted.

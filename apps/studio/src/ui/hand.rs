@@ -2,11 +2,12 @@
 
 use super::colours::ACCENT;
 use super::holds::along;
+use super::labels::paint_label;
 use super::simulation_view::{Grabbed, SimulationView};
 use super::studio::Studio;
 use crate::model::engine::Failure;
-use crate::model::hand::{Grip, LEAST_PULL, grip_at};
-use crate::model::holds::{Hold, HoldPart};
+use crate::model::hand::{Grip, HandPlace, LEAST_PULL, grip_at};
+use crate::model::holds::{Hold, HoldPart, Moved};
 use crate::model::input::InputContent;
 use crate::model::simulation::Source;
 use crate::view::pick::pick;
@@ -45,10 +46,34 @@ impl SimulationView {
         self.holds.iter().find(|h| h.part == HoldPart::Hand)
     }
 
-    /// Where the hand has pulled to, in the picture.
+    /// Where the hand pulls to, in the picture.
     pub(super) fn hand_end(&self) -> Option<Vec3> {
         let hand = self.hand()?;
         Some(along(&self.axis, hand.at)? + drawn(hand.by) * self.stem_length())
+    }
+
+    /// Where the hand is in the frame that is shown, in the picture.
+    pub(super) fn hand_now(&self) -> Option<Vec3> {
+        let time = *self.recorded.times.get(self.shown?.0)?;
+        let off = |place: &&HandPlace| (place.0 - time).abs();
+        let places = self.hand_way.iter();
+        let nearest = places.min_by(|a, b| off(a).total_cmp(&off(b)))?;
+        Some(along(&self.axis, self.hand()?.at)? + drawn(nearest.1) * self.stem_length())
+    }
+
+    /// Whether the hand pulls along the stem; it goes on so when it is steered.
+    fn pulls_along(&self) -> bool {
+        let hand = self.hand();
+        hand.is_some_and(|h| h.before.first().map_or(h.by, |s| s.by)[0] != 0.0)
+    }
+
+    /// Takes note that the hand was steered elsewhere.
+    pub(super) fn steered(&mut self, hand: Moved, way: Vec<HandPlace>) {
+        self.hand_way = way;
+        for hold in self.holds.iter_mut().filter(|h| h.part == HoldPart::Hand) {
+            (hold.by, hold.before) = (hand.by, hand.before.clone());
+        }
+        self.simulated = self.holds.iter().map(Moved::from).collect();
     }
 }
 
@@ -98,10 +123,57 @@ impl Studio {
         drawn.is_some_and(|d| pick(&d.1, self.ray_at(rect, pos), None).is_some())
     }
 
+    /// Holds the run while its hand is held, where that is to be steered elsewhere.
+    pub(super) fn hold_run(&mut self) {
+        if self.steered_scene().is_none() {
+            return;
+        }
+        if let Some(simulation) = &mut self.simulation {
+            simulation.waited = Some(simulation.paused);
+            simulation.paused = true;
+            simulation.playback.follows = true;
+            self.platform.pause_simulation(true);
+        }
+    }
+
+    /// Lets the run go on from its present frame with the hand where it was let go. Returns whether a run was held.
+    pub(super) fn steer_run(&mut self) -> bool {
+        let Some(simulation) = &mut self.simulation else {
+            return false;
+        };
+        let Some(waited) = simulation.waited.take() else {
+            return false;
+        };
+        simulation.held = None;
+        simulation.history.rest();
+        simulation.paused = waited;
+        let by = simulation.hand().map(|h| h.by);
+        match (by, &simulation.outcome) {
+            (Some(by), None) => {
+                self.platform.steer_simulation(by);
+                self.said = "The hand pulls there from this frame on.".to_owned();
+            }
+            _ => {
+                simulation.history.drop_step(&mut simulation.holds);
+                self.said =
+                    "The run has ended: at the first frame the hand can pull elsewhere.".to_owned();
+            }
+        }
+        if !waited {
+            self.platform.pause_simulation(false);
+        }
+        true
+    }
+
     /// Takes hold of the wood under the pointer, where that is asked for. A drag that cannot pull does nothing else either.
     pub(super) fn take_hold(&mut self, rect: Rect, pos: Pos2) -> Option<Grabbed> {
         if !self.is_on_pulled_wood(rect, pos) {
             return None;
+        }
+        let simulation = self.simulation.as_mut()?;
+        if simulation.hand().is_some() && self.is_live() {
+            self.said = "Drag the hand's dot to steer it while the wood moves.".to_owned();
+            return Some(Grabbed::Nothing);
         }
         let simulation = self.simulation.as_mut()?;
         if simulation.shown.is_none_or(|s| s.0 != 0) {
@@ -125,6 +197,7 @@ impl Studio {
                     name: "hand".to_owned(),
                     at: grip.at,
                     by: [0.0; 3],
+                    before: Vec::new(),
                 });
                 Some(Grabbed::Part(HoldPart::Hand))
             }
@@ -136,7 +209,12 @@ impl Studio {
     pub(super) fn drag_hand(&mut self, rect: Rect, pos: Pos2) {
         let (origin, direction) = self.ray_at(rect, pos);
         let facing = self.camera.backward();
-        let along_stem = self.is_along_stem(rect, pos);
+        let steers = self.simulation.as_ref().filter(|s| s.waited.is_some());
+        let along_stem = match steers {
+            // What the hand holds the wood across or along was decided when it took hold.
+            Some(simulation) => simulation.pulls_along(),
+            None => self.is_along_stem(rect, pos),
+        };
         let Some(simulation) = &mut self.simulation else {
             return;
         };
@@ -150,12 +228,14 @@ impl Studio {
         ) else {
             return;
         };
+        let steers = simulation.waited.is_some();
+        let now = simulation.hand_now().filter(|_| steers).unwrap_or(start);
         let way = if along_stem {
             // The point of the line along the stem that is nearest to the ray.
             let flat = Vec3::X - direction * direction.x;
             Vec3::X * ((origin - start).dot(flat) / flat.x)
         } else {
-            let depth = (start - origin).dot(facing) / direction.dot(facing);
+            let depth = (now - origin).dot(facing) / direction.dot(facing);
             let [_, y, z] = (origin + direction * depth - start).to_array();
             Vec3::new(0.0, y, z)
         };
@@ -167,7 +247,12 @@ impl Studio {
             let SimulationView { history, holds, .. } = simulation;
             history.note(STEP, holds, true);
             let hand = holds.iter_mut().find(|h| h.part == HoldPart::Hand);
-            hand.into_iter().for_each(|h| h.by = by);
+            if let Some(hand) = hand {
+                hand.by = by;
+                if !steers {
+                    hand.before.clear();
+                }
+            }
         }
     }
 
@@ -207,6 +292,9 @@ impl Studio {
         else {
             return;
         };
+        if simulation.shown.is_some_and(|s| s.0 > 0) {
+            return self.paint_steered_hand(painter, rect, simulation, end);
+        }
         let grip = grip_at(&simulation.holds, hand.at).ok();
         if let Some(curve) = grip.and_then(|g| self.bent(rect, simulation, &g, end - start)) {
             let shade = Color32::from_rgba_unmultiplied(ACCENT.r(), ACCENT.g(), ACCENT.b(), 110);
@@ -215,6 +303,30 @@ impl Studio {
         if let (Some(from), Some(to)) = (self.in_window(rect, start), self.in_window(rect, end)) {
             painter.circle_stroke(from, 4.0, Stroke::new(1.5, ACCENT));
             painter.arrow(from, to - from, Stroke::new(2.0, ACCENT));
+        }
+    }
+
+    /// Draws the hand of a run that goes on: where it is, and, while it is held, where it will pull to.
+    fn paint_steered_hand(
+        &self,
+        painter: &Painter,
+        rect: Rect,
+        simulation: &SimulationView,
+        end: Vec3,
+    ) {
+        let now = simulation
+            .hand_now()
+            .and_then(|now| self.in_window(rect, now));
+        let (Some(from), Some(to)) = (now, self.in_window(rect, end)) else {
+            return;
+        };
+        let held = simulation.waited.is_some();
+        painter.circle(from, 5.5, ACCENT, Stroke::new(1.0, Color32::BLACK));
+        let alpha = if held { 255 } else { 90 };
+        let shade = Color32::from_rgba_unmultiplied(ACCENT.r(), ACCENT.g(), ACCENT.b(), alpha);
+        painter.arrow(from, to - from, Stroke::new(2.0, shade));
+        if let (true, Some(hand)) = (held, simulation.hand()) {
+            paint_label(painter, to, self.hand_text(simulation, hand), ACCENT);
         }
     }
 

@@ -1,6 +1,7 @@
 //! The handle on the wood that tilts the break.
 
 use super::colours::ACCENT;
+use super::labels::paint_label;
 use super::studio::Studio;
 use crate::model::tilt::{Tilt, TiltHandle};
 use eframe::egui::{self, Color32, Pos2, Rect, Stroke, Ui, Vec2};
@@ -90,9 +91,7 @@ impl Studio {
                 "inclination {:.0}°, direction {:.0}°",
                 tilt.inclination, tilt.direction
             );
-            let at = dot + Vec2::new(14.0, -14.0);
-            let font = egui::FontId::proportional(13.0);
-            painter.text(at, egui::Align2::LEFT_BOTTOM, text, font, ACCENT);
+            paint_label(&painter, dot, text, ACCENT);
         }
     }
 

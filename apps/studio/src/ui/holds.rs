@@ -4,6 +4,7 @@
 use super::colours::ACCENT;
 use super::dialogs::buttons;
 use super::file_dialog::FileDialog;
+use super::labels::paint_label;
 use super::simulation_view::{Grabbed, SimulationView};
 use super::studio::Studio;
 use crate::model::holds::{HoldPart, Moved, dragged};
@@ -39,10 +40,26 @@ impl Studio {
         self.in_window(rect, along(&self.held_scene()?.axis, at)?)
     }
 
+    /// The simulation whose hand can be steered elsewhere: one that goes on, at its last frame so far.
+    pub(super) fn steered_scene(&self) -> Option<&SimulationView> {
+        let simulation = self
+            .simulation
+            .as_ref()
+            .filter(|s| s.waited.is_some() || s.pulls)?;
+        let shown = simulation.shown?.0;
+        let goes_on = shown > 0 && (simulation.waited.is_some() || self.is_live());
+        (goes_on && simulation.axis.len() > 1 && !simulation.hand_way.is_empty())
+            .then_some(simulation)
+    }
+
     /// Where the dot of a part of the scene is in the window, where handles are shown.
     pub fn hold_dot(&self, part: HoldPart) -> Option<Pos2> {
-        let simulation = self.held_scene()?;
         let rect = self.viewport_rect?;
+        if let Some(simulation) = self.steered_scene() {
+            let is_hand = part == HoldPart::Hand;
+            return self.in_window(rect, simulation.hand_now().filter(|_| is_hand)?);
+        }
+        let simulation = self.held_scene()?;
         if part == HoldPart::Hand {
             return self.in_window(rect, simulation.hand_end()?);
         }
@@ -57,7 +74,8 @@ impl Studio {
 
     /// The part whose dot is at a point of the window.
     fn hold_part_at(&self, pos: Pos2) -> Option<HoldPart> {
-        let parts = self.held_scene()?.holds.iter().map(|h| h.part);
+        let simulation = self.held_scene().or_else(|| self.steered_scene())?;
+        let parts = simulation.holds.iter().map(|h| h.part);
         let dots = parts.filter_map(|part| Some((part, self.hold_dot(part)?.distance(pos))));
         let near = dots.filter(|d| d.1 <= HOLD);
         near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|d| d.0)
@@ -78,7 +96,10 @@ impl Studio {
             let pressed = pressed.filter(|_| plain);
             let held = pressed.and_then(|pos| match self.hold_part_at(pos) {
                 None => self.take_hold(rect, pos),
-                Some(part) => Some(Grabbed::Part(part)),
+                Some(part) => {
+                    self.hold_run();
+                    Some(Grabbed::Part(part))
+                }
             });
             if let Some(simulation) = &mut self.simulation {
                 simulation.held = held;
@@ -92,6 +113,9 @@ impl Studio {
         let pos = response.interact_pointer_pos();
         let at = pos.and_then(|pos| self.fraction_at(rect, pos));
         if !response.dragged_by(left) {
+            if self.steer_run() {
+                return false;
+            }
             if part == HoldPart::Hand {
                 self.let_go_of_hand();
             }
@@ -188,7 +212,7 @@ impl Studio {
 
     /// Draws what holds, pushes and pulls the stem, and the dots that are dragged.
     pub(super) fn paint_holds(&self, ui: &Ui, rect: Rect, response: &egui::Response) {
-        let Some(simulation) = self.held_scene() else {
+        let Some(simulation) = self.held_scene().or_else(|| self.steered_scene()) else {
             return;
         };
         let painter = ui.painter_at(rect);
@@ -201,7 +225,8 @@ impl Studio {
         if over.is_some() {
             ui.ctx().set_cursor_icon(CursorIcon::Grab);
         }
-        for hold in &simulation.holds {
+        let is_first = simulation.shown.is_some_and(|s| s.0 == 0);
+        for hold in simulation.holds.iter().filter(|_| is_first) {
             if let HoldPart::ClampFrom(i) = hold.part {
                 let other = simulation
                     .holds
@@ -229,11 +254,7 @@ impl Studio {
                     HoldPart::Hand => self.hand_text(simulation, hold),
                     _ => format!("{}, at {:.3}", hold.name, hold.at),
                 };
-                let galley = painter.layout_no_wrap(text, egui::FontId::proportional(13.0), ACCENT);
-                let at = dot + Vec2::new(14.0, -14.0);
-                let place = egui::Align2::LEFT_BOTTOM.anchor_size(at, galley.size());
-                painter.rect_filled(place.expand(3.0), 3.0, Color32::from_black_alpha(150));
-                painter.galley(place.min, galley, ACCENT);
+                paint_label(&painter, dot, text, ACCENT);
             }
         }
     }

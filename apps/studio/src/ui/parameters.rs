@@ -19,16 +19,33 @@ const CHAPTERS: [(&str, &[&str]); 7] = [
         "Layers of the stem",
         &["Tissue", "Pith", "Heartwood", "Sapwood", "Phloem", "Bark"],
     ),
-    ("Drying cracks", &["Crack"]),
+    (
+        "Drying cracks",
+        &[
+            "All cracks",
+            "Large cracks",
+            "Medium cracks",
+            "Small cracks",
+        ],
+    ),
     ("Rings", &["Annual rings", "Where rings"]),
     ("Look and output", &["Colours", "What comes out"]),
     ("The stem", &["Input", "Point clouds", "What it is"]),
 ];
 const FACE: &str = "The broken face";
+/// Tables whose names say little without the file that they stand in, and the titles of their groups.
+const TITLES: [(&str, &str); 4] = [
+    ("crack_groups", "All cracks"),
+    ("crack_groups.large", "Large cracks"),
+    ("crack_groups.medium", "Medium cracks"),
+    ("crack_groups.small", "Small cracks"),
+];
 /// Groups that the window has other places for.
 const ELSEWHERE: [&str; 1] = ["Picture"];
 /// Keys that the window has other places for.
 const ELSEWHERE_KEYS: [&str; 2] = ["input", "texture_size"];
+/// Size of a chapter's title, points.
+const CHAPTER: f32 = 11.5;
 /// Width of a parameter's name.
 const NAME_WIDTH: f32 = 128.0;
 
@@ -74,7 +91,7 @@ impl Studio {
                             if group.chapter != chapter {
                                 chapter = group.chapter;
                                 ui.add_space(6.0);
-                                ui.label(RichText::new(chapter).small().weak());
+                                ui.label(RichText::new(chapter).size(CHAPTER).strong());
                             }
                             self.group(ui, group);
                         }
@@ -246,7 +263,10 @@ fn grouped(list: Vec<ParameterInfo>) -> Vec<Group> {
     for p in list {
         let table = p.key.rsplit_once('.').map_or("", |k| k.0);
         let table = table.trim_start_matches("break").trim_start_matches('.');
-        let title = if table.is_empty() {
+        let named = TITLES.iter().find(|t| t.0 == table);
+        let title = if let Some((_, title)) = named {
+            (*title).to_owned()
+        } else if table.is_empty() {
             capital(&p.group)
         } else {
             let table = table.replace(['_', '.'], " ");

@@ -1,8 +1,9 @@
 //! The line on the stem where the section browser cuts it, and dragging it along the stem.
 
+use super::labels::paint_label;
 use super::studio::Studio;
 use crate::model::section_book::{SectionBook, StemSection};
-use eframe::egui::{self, Color32, Pos2, Rect, Stroke, Ui, Vec2};
+use eframe::egui::{self, Color32, Pos2, Rect, Stroke, Ui};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -58,9 +59,7 @@ impl Studio {
             && let Some(length) = self.section_length()
         {
             let text = format!("section at {}", self.settings.unit.text(length));
-            let font = egui::FontId::proportional(13.0);
-            let at = dot + Vec2::new(12.0, -8.0);
-            painter.text(at, egui::Align2::LEFT_BOTTOM, text, font, LINE);
+            paint_label(&painter, dot, text, LINE);
         }
     }
 

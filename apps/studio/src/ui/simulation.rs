@@ -73,12 +73,14 @@ impl Studio {
             history: History::default(),
             simulated: moved,
             held: None,
+            waited: None,
+            hand_way: Vec::new(),
             axis: Arc::default(),
             about: String::new(),
             recorded: Recorded::default(),
             outcome: None,
             wood: None,
-            look: Look::Rods,
+            look: Look::Best,
             playback: Playback::default(),
             asked: None,
             shown: None,
@@ -140,8 +142,14 @@ impl Studio {
             return;
         };
         match news {
-            News::Begun(Begun { about, holds, pull }) => {
+            News::Begun(Begun {
+                about,
+                holds,
+                pull,
+                hand_way,
+            }) => {
                 simulation.about = about;
+                simulation.hand_way = hand_way;
                 simulation.can_pull = pull;
                 if simulation.simulated.is_empty() {
                     simulation.simulated = holds.iter().map(Moved::from).collect();
@@ -150,6 +158,7 @@ impl Studio {
                     simulation.holds = holds;
                 }
             }
+            News::Steered(hand, way) => simulation.steered(hand, way),
             News::Recorded(recorded) => {
                 simulation.recorded = recorded;
                 simulation.playback.recorded(simulation.frames());
@@ -168,9 +177,8 @@ impl Studio {
                 }
             }
             News::Wood(wood) => {
-                if wood == Ok(true) {
-                    simulation.look = Look::Wood;
-                }
+                // What shows the run best may be another now.
+                simulation.shown = simulation.shown.filter(|s| s.1 != Look::Best);
                 simulation.wood = Some(wood.map(drop));
             }
             News::Frame(number, look, frame) => {

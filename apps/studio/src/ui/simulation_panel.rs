@@ -143,7 +143,7 @@ impl Studio {
                 }
                 let last = count.saturating_sub(1);
                 let mut at = playback.at;
-                ui.spacing_mut().slider_width = (ui.available_width() - 350.0).max(80.0);
+                ui.spacing_mut().slider_width = (ui.available_width() - 400.0).max(80.0);
                 let slider = egui::Slider::new(&mut at, 0..=last.max(1)).show_value(false);
                 let response = ui.add_enabled(last > 0, slider);
                 response.widget_info(|| egui::WidgetInfo::slider(true, at as f64, "Frame"));
@@ -165,9 +165,16 @@ impl Studio {
                 )
                 .on_hover_text("1 is 24 frames a second.");
                 ui.separator();
-                ui.selectable_value(&mut simulation.look, Look::Rods, "Rods");
+                ui.selectable_value(&mut simulation.look, Look::Best, "Best")
+                    .on_hover_text(
+                        "The whole wood with its bark until it breaks; then rods, and when the run has ended wood that is cut where \
+                         it broke, where that shows the run well.",
+                    );
+                ui.selectable_value(&mut simulation.look, Look::Rods, "Rods")
+                    .on_hover_text("The rods that are moved.");
                 ui.add_enabled_ui(has_wood, |ui| {
                     ui.selectable_value(&mut simulation.look, Look::Wood, "Wood")
+                        .on_hover_text("The stem cut along the faces that the end of the run decided.")
                         .on_disabled_hover_text("The wood is cut when the run has ended.");
                 });
             });

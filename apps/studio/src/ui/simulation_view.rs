@@ -1,5 +1,6 @@
 //! The simulation that is looked at, as the window knows it.
 
+use crate::model::hand::HandPlace;
 use crate::model::history::History;
 use crate::model::holds::{Hold, HoldPart, Moved};
 use crate::model::meshes::DrawnScene;
@@ -37,6 +38,10 @@ pub struct SimulationView {
     pub paused: bool,
     /// What the pointer holds while it is pressed.
     pub(super) held: Option<Grabbed>,
+    /// While the hand of a run that goes on is held: whether the run waited before.
+    pub(super) waited: Option<bool>,
+    /// The way of the hand, frame by frame.
+    pub(super) hand_way: Vec<HandPlace>,
     /// The axis of the stem before it moved.
     pub(super) axis: Arc<Vec<Vec3>>,
     /// What its scene shows, in a sentence.

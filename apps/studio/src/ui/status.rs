@@ -54,11 +54,9 @@ impl Studio {
 fn frames(simulation: &SimulationView) -> String {
     let drawn = simulation.drawn.as_ref();
     let triangles = drawn.map_or(0, |d| d.1.indices.len() / 3);
-    format!(
-        "{} frames · {} triangles",
-        simulation.frames(),
-        thousands(triangles)
-    )
+    let count = simulation.frames();
+    let frames = if count == 1 { "frame" } else { "frames" };
+    format!("{count} {frames} · {} triangles", thousands(triangles))
 }
 
 /// The report in one line, with the triangles that are drawn.

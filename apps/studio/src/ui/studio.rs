@@ -5,6 +5,7 @@ use super::card::Card;
 use super::crack_tool::CrackTool;
 use super::dialog::Dialog;
 use super::fan_tool::FanTool;
+pub use super::message::Message;
 use super::paint_tool::PaintTool;
 use super::photograph_view::PhotographView;
 use super::simulation_view::SimulationView;
@@ -35,17 +36,6 @@ const LAST_FRAME: f32 = 0.05;
 /// where the break is framed.
 const FRAMED_FACES: f32 = 0.7;
 const FRAMED_DIAMETER: f32 = 0.4;
-
-/// A message that stays until it is dismissed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Message {
-    /// What it says.
-    pub text: String,
-    /// Whether something failed.
-    pub is_error: bool,
-    /// A place of the break that would work.
-    pub place: Option<StemLocation>,
-}
 
 /// How the viewport shows things.
 #[derive(Debug, Clone, PartialEq)]
@@ -248,6 +238,7 @@ impl Studio {
             text: failure.message.clone(),
             is_error: true,
             place: failure.place,
+            asks_unit: false,
         };
         if !self.messages.contains(&message) {
             self.messages.push(message);
@@ -354,8 +345,7 @@ impl Studio {
         if !notes.is_empty() {
             self.messages.push(Message {
                 text: notes,
-                is_error: false,
-                place: None,
+                ..Message::default()
             });
         }
         self.shown = None;

@@ -21,8 +21,8 @@ const NOTCH: f32 = 0.88;
 /// Points of a touchpad's movement that are as much as one point of a mouse's.
 const TOUCHPAD: f32 = 1.0;
 
-/// Room that the slider which pulls pieces apart takes with its texts, points.
-const APART_WIDTH: f32 = 190.0;
+/// Room that the slider which pulls pieces apart takes with its texts, and the buttons behind it, points.
+const APART_WIDTH: f32 = 310.0;
 
 /// To which part of a metre the point of a click is rounded: nobody clicks more exactly, and short numbers can be read.
 const CLICK: f64 = 1e4;
@@ -116,13 +116,7 @@ impl Studio {
                         );
                     self.pull_switch(ui);
                 }
-                for action in [Action::FrameBreak, Action::FrameAll] {
-                    let name = action.label().replace("Frame ", "");
-                    let name = if name == "the break" { "Break" } else { "All" };
-                    if ui.button(name).on_hover_text(action.about()).clicked() {
-                        self.act(action, &ui.ctx().clone());
-                    }
-                }
+                self.frame_buttons(ui);
             });
             self.photograph_bar(ui);
             if self.simulation.is_none() {
@@ -130,6 +124,22 @@ impl Studio {
                 self.paint_bar(ui);
             }
         });
+    }
+
+    /// The buttons that bring the break, or everything, into the picture.
+    fn frame_buttons(&mut self, ui: &mut Ui) {
+        ui.label(RichText::new("Frame").weak());
+        let ctx = ui.ctx().clone();
+        let simulates = self.simulation.is_some();
+        for (action, name) in [(Action::FrameBreak, "break"), (Action::FrameAll, "all")] {
+            // A simulation has no place yet at which it breaks.
+            if simulates && action == Action::FrameBreak {
+                continue;
+            }
+            if ui.button(name).on_hover_text(action.about()).clicked() {
+                self.act(action, &ctx);
+            }
+        }
     }
 
     /// What of the header concerns breaks alone.
@@ -383,42 +393,6 @@ impl Studio {
         self.progress_cards(&mut ui);
         if !self.card.is_there() {
             ui.label("No graphics adapter: there is no picture here.");
-        }
-    }
-
-    fn message_cards(&mut self, ui: &mut Ui) {
-        let (mut dismissed, mut go) = (None, None);
-        for (i, message) in self.messages.iter().enumerate() {
-            let accent = if message.is_error {
-                Color32::from_rgb(214, 78, 60)
-            } else {
-                Color32::from_rgb(90, 130, 190)
-            };
-            egui::Frame::popup(ui.style())
-                .stroke(egui::Stroke::new(1.5, accent))
-                .show(ui, |ui| {
-                    ui.set_max_width(560.0);
-                    ui.horizontal_top(|ui| {
-                        if ui.button("Dismiss").clicked() {
-                            dismissed = Some(i);
-                        }
-                        if let Some(place) = message.place {
-                            let button = ui.button(format!("Break at {place}"));
-                            if button.clicked() {
-                                dismissed = Some(i);
-                                go = Some(place);
-                            }
-                        }
-                        ui.add(egui::Label::new(&message.text).wrap().selectable(true));
-                    });
-                });
-            ui.add_space(6.0);
-        }
-        if let Some(i) = dismissed {
-            self.messages.remove(i);
-        }
-        if let Some(place) = go {
-            self.move_break(place, ui.input(|i| i.time));
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::frame::View;
 use super::resources::SHADOW_SIDE;
+use crate::model::materials::{Opacity, Texture};
 use crate::model::meshes::{Batch, Shading};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -33,6 +34,9 @@ pub(super) struct SurfaceNumbers {
     kind: [f32; 4],
     texture_map: [f32; 4],
     turn: [f32; 4],
+    relief_map: [f32; 4],
+    relief: [f32; 4],
+    opacity: [f32; 4],
 }
 
 /// How far things shade each other from the sky, in radii of the stem, and that radius in radii of a scene that has no break.
@@ -104,15 +108,33 @@ pub(super) fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
         Shading::Wood(_) => 1.0,
         Shading::Skin => 2.0,
     };
-    let (map, turn) = batch
-        .texture
-        .map_or(([1.0, 1.0, 0.0, 0.0], 0.0), |t| (t.1, t.2));
+    let none = Texture {
+        image: 0,
+        map: [1.0, 1.0, 0.0, 0.0],
+        turn: 0.0,
+        strength: 0.0,
+    };
+    let texture = batch.texture.unwrap_or(none);
+    let relief = batch.relief.unwrap_or(none);
+    let flag = |on: bool| f32::from(u8::from(on));
     let [metal, rough] = batch.metal_rough;
-    let textured = f32::from(u8::from(batch.texture.is_some()));
+    let (mode, cutoff) = match batch.opacity {
+        Opacity::Opaque => (0.0, 0.0),
+        Opacity::Masked(cutoff) => (1.0, cutoff),
+        Opacity::Blended => (2.0, 0.0),
+    };
     SurfaceNumbers {
         base: batch.base,
-        kind: [metal, rough, kind, textured],
-        texture_map: map,
-        turn: [turn.sin(), turn.cos(), 0.0, 0.0],
+        kind: [metal, rough, kind, flag(batch.texture.is_some())],
+        texture_map: texture.map,
+        turn: [texture.turn.sin(), texture.turn.cos(), 0.0, 0.0],
+        relief_map: relief.map,
+        relief: [
+            relief.turn.sin(),
+            relief.turn.cos(),
+            relief.strength,
+            flag(batch.relief.is_some()),
+        ],
+        opacity: [mode, cutoff, 0.0, 0.0],
     }
 }

@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::frame::{Colours, View};
 use super::globals::{Globals, globals, surface_numbers};
 use super::resources::{
-    COLOR, DEPTH, Pipelines, SAMPLES, SHADOW_SIDE, color_texture, edges, entry,
+    COLOR, COLORS, DEPTH, NUMBERS, Pipelines, SAMPLES, SHADOW_SIDE, edges, entry, image_texture,
 };
 use super::section::LoadedSection;
 use crate::model::look::WoodLook;
@@ -12,7 +12,7 @@ use crate::model::meshes::{Batch, DrawnScene, Shading};
 use crate::model::section::Plane;
 use eframe::egui;
 use eframe::egui_wgpu::{self, CallbackResources, ScreenDescriptor};
-use greenstick::formats::photograph::Photograph;
+use greenstick::geometry::Pixels;
 use std::sync::Arc;
 use wgpu::util::DeviceExt;
 
@@ -28,6 +28,16 @@ struct Drawn {
     background: [f32; 3],
 }
 
+/// A batch on the card.
+struct LoadedBatch {
+    /// Its indices.
+    range: std::ops::Range<u32>,
+    wood: usize,
+    material: wgpu::BindGroup,
+    /// Whether it may have holes.
+    has_holes: bool,
+}
+
 /// A scene on the card.
 struct Loaded {
     id: u64,
@@ -36,12 +46,22 @@ struct Loaded {
     count: u32,
     /// Two corners of each edge, made when they are first asked for.
     edges: Option<(wgpu::Buffer, u32)>,
-    /// Index range, wood and material of each batch.
-    batches: Vec<(std::ops::Range<u32>, usize, wgpu::BindGroup)>,
+    batches: Vec<LoadedBatch>,
     /// What it is loaded from, and on the card its woods and images: those that the next scene has too stay there.
     scene: Arc<DrawnScene>,
     woods: Vec<wgpu::BindGroup>,
     images: Vec<wgpu::TextureView>,
+    reliefs: Vec<wgpu::TextureView>,
+}
+
+/// An image that is on the card.
+fn known_image(
+    images: &[Arc<Pixels>],
+    views: &[wgpu::TextureView],
+    image: &Arc<Pixels>,
+) -> Option<wgpu::TextureView> {
+    let at = images.iter().position(|i| Arc::ptr_eq(i, image))?;
+    views.get(at).cloned()
 }
 
 impl Loaded {
@@ -51,10 +71,34 @@ impl Loaded {
         self.woods.get(at).cloned()
     }
 
-    /// An image that is on the card.
-    fn image(&self, image: &Arc<Photograph>) -> Option<wgpu::TextureView> {
-        let at = (self.scene.images.iter()).position(|i| Arc::ptr_eq(i, image))?;
-        self.images.get(at).cloned()
+    /// The ranges of indices of what has no holes: neighbours as one.
+    fn solid_ranges(&self) -> Vec<std::ops::Range<u32>> {
+        let mut ranges: Vec<std::ops::Range<u32>> = Vec::new();
+        for batch in self.batches.iter().filter(|b| !b.has_holes) {
+            match ranges.last_mut() {
+                Some(last) if last.end == batch.range.start => last.end = batch.range.end,
+                _ => ranges.push(batch.range.clone()),
+            }
+        }
+        ranges
+    }
+
+    /// Draws everything by two pipelines: of what has no holes, and of what has, which needs its materials.
+    fn draw_all(&self, pass: &mut wgpu::RenderPass, [solid, holes]: [&wgpu::RenderPipeline; 2]) {
+        pass.set_pipeline(solid);
+        pass.set_vertex_buffer(0, self.vertices.slice(..));
+        pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for range in self.solid_ranges() {
+            pass.draw_indexed(range, 0, 0..1);
+        }
+        let with_holes = self.batches.iter().filter(|b| b.has_holes);
+        for (i, batch) in with_holes.enumerate() {
+            if i == 0 {
+                pass.set_pipeline(holes);
+            }
+            pass.set_bind_group(2, &batch.material, &[]);
+            pass.draw_indexed(batch.range.clone(), 0, 0..1);
+        }
     }
 }
 
@@ -149,13 +193,13 @@ impl Renderer {
             layout: &pipelines.shadow.get_bind_group_layout(0),
             entries: &[entry(0, globals.as_entire_binding())],
         });
-        let white = Photograph {
+        let white = Pixels {
             width: 1,
             height: 1,
-            rgb: vec![255; 3],
+            rgba: vec![255; 4],
         };
         Renderer {
-            blank: color_texture(device, queue, &white),
+            blank: image_texture(device, queue, &white, COLORS),
             pipelines,
             globals,
             shadow_map,
@@ -280,42 +324,24 @@ impl Renderer {
                 usage,
             })
         };
-        let images: Vec<wgpu::TextureView> = (scene.images.iter())
-            .map(|image| {
-                let known = self.loaded.as_ref().and_then(|l| l.image(image));
-                known.unwrap_or_else(|| color_texture(device, queue, image))
-            })
-            .collect();
+        let before = self.loaded.as_ref();
+        let view = |image, known: Option<wgpu::TextureView>, format| {
+            known.unwrap_or_else(|| image_texture(device, queue, image, format))
+        };
+        let known = |i| before.and_then(|l| known_image(&l.scene.images, &l.images, i));
+        let images = scene.images.iter().map(|i| view(i, known(i), COLORS));
+        let images: Vec<wgpu::TextureView> = images.collect();
+        let known = |i| before.and_then(|l| known_image(&l.scene.reliefs, &l.reliefs, i));
+        let reliefs = scene.reliefs.iter().map(|i| view(i, known(i), NUMBERS));
+        let reliefs: Vec<wgpu::TextureView> = reliefs.collect();
         let woods: Vec<_> = (scene.woods.iter())
             .map(|look| {
                 let known = self.loaded.as_ref().and_then(|l| l.wood(look));
                 known.unwrap_or_else(|| self.pipelines.wood_group(device, queue, look))
             })
             .collect();
-        let batches = scene.batches.iter().map(|batch| {
-            let numbers = buffer(
-                bytemuck::bytes_of(&surface_numbers(batch)),
-                wgpu::BufferUsages::UNIFORM,
-            );
-            let image = batch.texture.and_then(|t| images.get(t.0));
-            let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("material"),
-                layout: &self.pipelines.material,
-                entries: &[
-                    entry(0, numbers.as_entire_binding()),
-                    entry(
-                        1,
-                        wgpu::BindingResource::TextureView(image.unwrap_or(&self.blank)),
-                    ),
-                    entry(2, wgpu::BindingResource::Sampler(&self.linear)),
-                ],
-            });
-            let wood = match batch.shading {
-                Shading::Wood(wood) => wood,
-                Shading::Material | Shading::Skin => 0,
-            };
-            (batch.first..batch.first + batch.count, wood, group)
-        });
+        let batches = scene.batches.iter();
+        let batches = batches.map(|batch| self.load_batch(device, batch, [&images, &reliefs]));
         Loaded {
             id,
             vertices: buffer(
@@ -332,6 +358,44 @@ impl Renderer {
             scene: scene.clone(),
             woods,
             images,
+            reliefs,
+        }
+    }
+
+    /// Puts a batch on the card; `images` and `reliefs` are there.
+    fn load_batch(
+        &self,
+        device: &wgpu::Device,
+        batch: &Batch,
+        [images, reliefs]: [&[wgpu::TextureView]; 2],
+    ) -> LoadedBatch {
+        let numbers = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: None,
+            contents: bytemuck::bytes_of(&surface_numbers(batch)),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let image = batch.texture.and_then(|t| images.get(t.image));
+        let relief = batch.relief.and_then(|t| reliefs.get(t.image));
+        let view = wgpu::BindingResource::TextureView;
+        let material = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("material"),
+            layout: &self.pipelines.material,
+            entries: &[
+                entry(0, numbers.as_entire_binding()),
+                entry(1, view(image.unwrap_or(&self.blank))),
+                entry(2, wgpu::BindingResource::Sampler(&self.linear)),
+                entry(3, view(relief.unwrap_or(&self.blank))),
+            ],
+        });
+        let wood = match batch.shading {
+            Shading::Wood(wood) => wood,
+            Shading::Material | Shading::Skin => 0,
+        };
+        LoadedBatch {
+            range: batch.first..batch.first + batch.count,
+            wood,
+            material,
+            has_holes: batch.has_holes(),
         }
     }
 
@@ -344,11 +408,13 @@ impl Renderer {
         let Some(loaded) = self.loaded.as_ref().filter(|l| l.count > 0) else {
             return;
         };
-        pass.set_pipeline(&self.pipelines.shadow);
+        let Pipelines {
+            shadow,
+            shadow_with_holes,
+            ..
+        } = &self.pipelines;
         pass.set_bind_group(0, &self.shadow_group, &[]);
-        pass.set_vertex_buffer(0, loaded.vertices.slice(..));
-        pass.set_index_buffer(loaded.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..loaded.count, 0, 0..1);
+        loaded.draw_all(&mut pass, [shadow, shadow_with_holes]);
     }
 
     fn draw_distance(&self, encoder: &mut wgpu::CommandEncoder) {
@@ -371,12 +437,15 @@ impl Renderer {
         let Some(loaded) = self.loaded.as_ref().filter(|l| l.count > 0) else {
             return;
         };
-        pass.set_pipeline(&self.pipelines.distance);
+        let Pipelines {
+            distance,
+            distance_with_holes,
+            ..
+        } = &self.pipelines;
         pass.set_bind_group(0, &self.shadow_group, &[]);
-        pass.set_vertex_buffer(0, loaded.vertices.slice(..));
-        pass.set_index_buffer(loaded.indices.slice(..), wgpu::IndexFormat::Uint32);
-        pass.draw_indexed(0..loaded.count, 0, 0..1);
+        loaded.draw_all(&mut pass, [distance, distance_with_holes]);
         if let Some(section) = &self.section {
+            pass.set_pipeline(distance);
             section.draw_positions(&mut pass);
         }
     }
@@ -403,16 +472,24 @@ impl Renderer {
         let Some(loaded) = self.loaded.as_ref().filter(|l| l.count > 0) else {
             return;
         };
-        pass.set_pipeline(&self.pipelines.surface);
         pass.set_vertex_buffer(0, loaded.vertices.slice(..));
         pass.set_index_buffer(loaded.indices.slice(..), wgpu::IndexFormat::Uint32);
-        for (range, wood, material) in &loaded.batches {
-            let Some(wood) = loaded.woods.get(*wood) else {
-                continue;
-            };
-            pass.set_bind_group(1, wood, &[]);
-            pass.set_bind_group(2, material, &[]);
-            pass.draw_indexed(range.clone(), 0, 0..1);
+        let (holes, solid): (Vec<_>, Vec<_>) = loaded.batches.iter().partition(|b| b.has_holes);
+        // Only materials and wood have holes: the other colours show the triangles.
+        let with_holes = match frame.colours {
+            Colours::Wood => &self.pipelines.surface_with_holes,
+            _ => &self.pipelines.surface,
+        };
+        for (pipeline, batches) in [(with_holes, holes), (&self.pipelines.surface, solid)] {
+            pass.set_pipeline(pipeline);
+            for batch in batches {
+                let Some(wood) = loaded.woods.get(batch.wood) else {
+                    continue;
+                };
+                pass.set_bind_group(1, wood, &[]);
+                pass.set_bind_group(2, &batch.material, &[]);
+                pass.draw_indexed(batch.range.clone(), 0, 0..1);
+            }
         }
         if let (Some(section), Some(wood)) = (&self.section, loaded.woods.first()) {
             section.draw(&mut pass, wood);

@@ -2,11 +2,14 @@
 
 use crate::model::look::WoodLook;
 use crate::model::meshes::{DrawnScene, Vertex};
-use greenstick::formats::photograph::Photograph;
+use greenstick::geometry::Pixels;
 use wgpu::util::DeviceExt;
 
 /// Format of the picture that is drawn: encoded colours, as the shader encodes them itself.
 pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// Formats of textures: of colours, and of what is no colour.
+pub const COLORS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+pub const NUMBERS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of depths.
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples of each pixel.
@@ -26,6 +29,10 @@ pub struct Pipelines {
     pub surface: wgpu::RenderPipeline,
     pub shadow: wgpu::RenderPipeline,
     pub distance: wgpu::RenderPipeline,
+    /// The same for what has holes.
+    pub surface_with_holes: wgpu::RenderPipeline,
+    pub shadow_with_holes: wgpu::RenderPipeline,
+    pub distance_with_holes: wgpu::RenderPipeline,
     pub lines: wgpu::RenderPipeline,
     pub background: wgpu::RenderPipeline,
     pub to_window: wgpu::RenderPipeline,
@@ -82,6 +89,8 @@ struct Plan<'a> {
     target: Option<wgpu::TextureFormat>,
     samples: u32,
     blend: bool,
+    /// Whether opacity is the part of the samples that are drawn.
+    holes: bool,
 }
 
 const ALL_VALUES: [wgpu::VertexAttribute; 5] = wgpu::vertex_attr_array![
@@ -136,6 +145,7 @@ fn pipeline(
         }),
         multisample: wgpu::MultisampleState {
             count: plan.samples,
+            alpha_to_coverage_enabled: plan.holes && plan.samples > 1,
             ..wgpu::MultisampleState::default()
         },
         fragment: plan.fragment.map(|entry| wgpu::FragmentState {
@@ -177,10 +187,46 @@ impl Layouts {
             ]),
             only_numbers: layout(&[uniform(0)]),
             wood: layout(&[uniform(0), texture(1, EXACT), texture(2, EXACT)]),
-            material: layout(&[uniform(0), texture(1, FILTERED), sampler(2, filtering)]),
+            material: layout(&[
+                uniform(0),
+                texture(1, FILTERED),
+                sampler(2, filtering),
+                texture(3, FILTERED),
+            ]),
             copy: layout(&[texture(0, FILTERED), sampler(1, filtering)]),
         }
     }
+}
+
+/// The plans for what has holes: of surfaces, of the shadow map and of distances; the latter two read `layouts`.
+fn with_holes<'a>(
+    surface: &Plan<'a>,
+    layouts: &'a [Option<&'a wgpu::BindGroupLayout>],
+) -> [Plan<'a>; 3] {
+    let of_one_sample = |vertex, fragment, target| Plan {
+        layouts,
+        vertex,
+        fragment: Some(fragment),
+        target,
+        samples: 1,
+        ..*surface
+    };
+    [
+        Plan {
+            holes: true,
+            ..*surface
+        },
+        of_one_sample(
+            "vertex_shadow_with_holes",
+            "fragment_shadow_with_holes",
+            None,
+        ),
+        of_one_sample(
+            "vertex_distance_with_holes",
+            "fragment_distance_with_holes",
+            Some(COLOR),
+        ),
+    ]
 }
 
 impl Pipelines {
@@ -200,8 +246,12 @@ impl Pipelines {
             target: Some(COLOR),
             samples: SAMPLES,
             blend: false,
+            holes: false,
         };
         let make = |plan: Plan| pipeline(device, &module, &plan);
+        let numbers_and_material = [only_numbers[0], None, Some(&layouts.material)];
+        let [surface_with_holes, shadow_with_holes, distance_with_holes] =
+            with_holes(&surface, &numbers_and_material).map(make);
         let names = ["fragment_copy", "fragment_copy_linear"];
         let encoded = names[usize::from(window.is_srgb())];
         Pipelines {
@@ -222,6 +272,9 @@ impl Pipelines {
                 samples: 1,
                 ..surface
             }),
+            surface_with_holes,
+            shadow_with_holes,
+            distance_with_holes,
             lines: make(Plan {
                 layouts: &globals,
                 vertex: "vertex_line",
@@ -318,17 +371,17 @@ fn exact_texture(
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// A texture of colours with its halved levels.
-pub fn color_texture(
+/// A texture with its halved levels; of colours by the format of encoded ones.
+pub fn image_texture(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    image: &Photograph,
+    image: &Pixels,
+    format: wgpu::TextureFormat,
 ) -> wgpu::TextureView {
-    let pixels = image.rgb.as_chunks::<3>().0;
     let mut level = Level {
         width: image.width.max(1),
         height: image.height.max(1),
-        rgba: pixels.iter().map(|p| [p[0], p[1], p[2], 255]).collect(),
+        rgba: image.rgba.as_chunks::<4>().0.to_vec(),
     };
     while level.width.max(level.height) > MAX_TEXTURE_SIDE {
         level = level.halved();
@@ -352,7 +405,7 @@ pub fn color_texture(
             mip_level_count: count,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: wgpu::TextureFormat::Rgba8UnormSrgb,
+            format,
             usage: wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         },

@@ -49,6 +49,7 @@ impl LoadedSection {
                     entry(0, numbers.as_entire_binding()),
                     entry(1, wgpu::BindingResource::TextureView(blank)),
                     entry(2, wgpu::BindingResource::Sampler(linear)),
+                    entry(3, wgpu::BindingResource::TextureView(blank)),
                 ],
             }),
             faces: faces.clone(),

@@ -43,6 +43,11 @@ struct Surface {
     texture_map: vec4<f32>,
     // sine and cosine of their turn
     turn: vec4<f32>,
+    // the same of the relief; its strength, whether there is one
+    relief_map: vec4<f32>,
+    relief: vec4<f32>,
+    // 0 opaque, 1 with holes, 2 blended; opacity below which there is a hole
+    opacity: vec4<f32>,
 };
 
 @group(0) @binding(0) var<uniform> g: Globals;
@@ -55,6 +60,7 @@ struct Surface {
 @group(2) @binding(0) var<uniform> surface: Surface;
 @group(2) @binding(1) var base_texture: texture_2d<f32>;
 @group(2) @binding(2) var base_sampler: sampler;
+@group(2) @binding(3) var relief_texture: texture_2d<f32>;
 
 struct VertexIn {
     @location(0) position: vec3<f32>,
@@ -120,9 +126,84 @@ fn vertex_distance(@location(0) position: vec3<f32>) -> ShadowVarying {
 @fragment
 fn fragment_distance(v: ShadowVarying) -> @location(0) vec4<f32> {
     if (is_cut_away(v.position)) { discard; }
-    let part = clamp(0.5 + 0.5 * dot(v.position, g.forward.xyz) / g.forward.w, 0.0, 0.9999999);
+    return coded_distance(v.position);
+}
+
+fn coded_distance(position: vec3<f32>) -> vec4<f32> {
+    let part = clamp(0.5 + 0.5 * dot(position, g.forward.xyz) / g.forward.w, 0.0, 0.9999999);
     let bytes = floor(fract(part * vec3<f32>(1.0, 256.0, 65536.0)) * 256.0);
     return vec4<f32>(bytes / 255.0, 1.0);
+}
+
+// ---------------------------------------------------------------- textures, as glTF 2.0 has them
+
+// Coordinates of a texture: scaled, turned, moved, as KHR_texture_transform says.
+fn texture_place(uv: vec2<f32>, turn: vec2<f32>, map: vec4<f32>) -> vec2<f32> {
+    let scaled = uv * map.xy;
+    let turned = vec2<f32>(turn.y * scaled.x + turn.x * scaled.y, turn.y * scaled.y - turn.x * scaled.x);
+    return turned + map.zw;
+}
+
+fn base_texel(uv: vec2<f32>) -> vec4<f32> {
+    return textureSample(base_texture, base_sampler, texture_place(uv, surface.turn.xy, surface.texture_map));
+}
+
+// Whether light goes through a surface: through holes, and through what is more clear than not.
+fn is_clear(opacity: f32) -> bool {
+    return opacity * surface.base.w < select(0.5, surface.opacity.y, surface.opacity.x < 1.5);
+}
+
+struct HolesVarying {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) position: vec3<f32>,
+    @location(1) uv: vec2<f32>,
+};
+
+@vertex
+fn vertex_shadow_with_holes(@location(0) position: vec3<f32>, @location(2) uv: vec2<f32>) -> HolesVarying {
+    var out: HolesVarying;
+    out.clip = g.light_projection * vec4<f32>(position, 1.0);
+    out.position = position;
+    out.uv = uv;
+    return out;
+}
+
+@fragment
+fn fragment_shadow_with_holes(v: HolesVarying) {
+    let opacity = base_texel(v.uv).w;
+    if (is_cut_away(v.position) || is_clear(opacity)) { discard; }
+}
+
+@vertex
+fn vertex_distance_with_holes(@location(0) position: vec3<f32>, @location(2) uv: vec2<f32>) -> HolesVarying {
+    var out: HolesVarying;
+    out.clip = g.view_projection * vec4<f32>(position, 1.0);
+    out.position = position;
+    out.uv = uv;
+    return out;
+}
+
+@fragment
+fn fragment_distance_with_holes(v: HolesVarying) -> @location(0) vec4<f32> {
+    let opacity = base_texel(v.uv).w;
+    if (is_cut_away(v.position) || is_clear(opacity)) { discard; }
+    return coded_distance(v.position);
+}
+
+// A normal tilted by a texel of a relief, whose x runs along u and whose y runs against v, which counts downwards; `du` and `dv` are
+// how the coordinates rise along the surface.
+fn tilted(normal: vec3<f32>, du: vec3<f32>, dv: vec3<f32>, texel: vec3<f32>) -> vec3<f32> {
+    let right = flattened(du - dv * (dot(du, dv) / max(dot(dv, dv), 1e-20)), normal);
+    let down = flattened(dv - du * (dot(dv, du) / max(dot(du, du), 1e-20)), normal);
+    let lean = vec3<f32>((texel.xy * 2.0 - 1.0) * surface.relief.z, texel.z * 2.0 - 1.0);
+    let tilt = right * lean.x - down * lean.y + normal * lean.z;
+    return select(normal, normalize(tilt), dot(tilt, tilt) > 1e-12);
+}
+
+// A direction in the plane across a normal, of unit length; none where there is none.
+fn flattened(direction: vec3<f32>, normal: vec3<f32>) -> vec3<f32> {
+    let flat = direction - normal * dot(normal, direction);
+    return flat * inverseSqrt(max(dot(flat, flat), 1e-20));
 }
 
 // Lines a little nearer than the surface they lie on.
@@ -749,8 +830,14 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
     let dp2 = dpdy(v.position);
     let dg1 = dpdx(v.grain.xyz);
     let dg2 = dpdy(v.grain.xyz);
-    let tex = vec2<f32>(surface.turn.y * v.uv.x + surface.turn.x * v.uv.y, surface.turn.y * v.uv.y - surface.turn.x * v.uv.x);
-    let texel = textureSample(base_texture, base_sampler, tex * surface.texture_map.xy + surface.texture_map.zw);
+    let texel = base_texel(v.uv);
+    let relief_place = texture_place(v.uv, surface.relief.xy, surface.relief_map);
+    let relief = textureSample(relief_texture, base_sampler, relief_place).xyz;
+    let dt1 = dpdx(relief_place);
+    let dt2 = dpdy(relief_place);
+    // Seen where the texture is; where it has none, everywhere.
+    let opacity = select(1.0, texel.w, surface.kind.w > 0.5) * surface.base.w;
+    let sharp = (opacity - surface.opacity.y) / max(fwidth(opacity), 1e-4) + 0.5;
     if (is_cut_away(v.position)) { discard; }
     let plane = cross(dp1, dp2);
     let area = max(length(plane), 1e-20);
@@ -806,6 +893,9 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
         } else {
             metal = surface.kind.x;
             if (surface.kind.w > 0.5) { look.color *= texel.rgb; }
+            if (surface.relief.w > 0.5) {
+                normal = tilted(normal, g1 * dt1.x + g2 * dt2.x, g1 * dt1.y + g2 * dt2.y, relief);
+            }
         }
     } else if (mode == 1) {
         var zone = v.zone_piece.x;
@@ -850,7 +940,9 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
     let open = mix(0.72, 1.0, right_light) * openness(v.position, normal, v.clip.xy, footprint);
     radiance += look.color * (1.0 - metal) * (1.0 - reflected) * sky * open;
     radiance += reflected * surroundings(reflect(-view, n), roughness) * open;
-    return vec4<f32>(tone(radiance), 1.0);
+    // The part of a pixel's samples that are drawn; only pipelines for what has holes read it.
+    let covered = select(opacity, clamp(sharp, 0.0, 1.0), surface.opacity.x < 1.5);
+    return vec4<f32>(tone(radiance), covered);
 }
 
 // ---------------------------------------------------------------- background and copy to the window

@@ -3,8 +3,9 @@
 use crate::common::{Folder, drag, exported, saved_and_broken, settle, studio};
 use eframe::egui::{Key, Modifiers, vec2};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
 use greenstick::RequestFile;
-use greenstick::fracture::parameters::{Crack, RadialCrack};
+use greenstick::fracture::parameters::{Crack, CrackEnd, RadialCrack};
 use greenstick_studio::model::placed_cracks::CrackEndPoint;
 use greenstick_studio::ui::studio::Studio;
 
@@ -101,4 +102,75 @@ fn clicks_place_cracks_and_turning_the_picture_places_none() {
     harness.drop_at(bark);
     settle(&mut harness);
     assert_eq!(harness.state().project.placed_cracks().len(), 1);
+}
+
+#[test]
+fn cracks_are_placed_on_the_sawn_end_and_moved_to_the_break() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::K);
+    harness.run_steps(2);
+    // The end at the tip is seen from above.
+    harness.key_press(Key::Num7);
+    harness.key_press(Key::Home);
+    harness.run_steps(2);
+    let place = |harness: &mut Harness<'static, Studio>, rho, angle| {
+        harness.state_mut().end_place_at(rho, angle).unwrap()
+    };
+    let (from, to) = (
+        place(&mut harness, 0.25, 0.9),
+        place(&mut harness, 0.85, 0.9),
+    );
+    drag(&mut harness, from, to);
+    assert!(
+        harness.state().messages().is_empty(),
+        "{:?}",
+        harness.state().messages()
+    );
+    let drawn = radial(&harness, 0);
+    assert!((drawn.angle.to_radians() - 0.9).abs() < 0.1, "{drawn:?}");
+    assert!((drawn.begin - 0.25).abs() < 0.08 && (drawn.end - 0.85).abs() < 0.08);
+    let end = |harness: &Harness<'static, Studio>| harness.state().project.crack_end();
+    assert_eq!(end(&harness), Some(CrackEnd::Sawn));
+    // It is drawn where it was dragged: its dots are there, and the wood is open between them.
+    let dot = |harness: &mut Harness<'static, Studio>, part| {
+        harness.state_mut().crack_dot(0, part).unwrap()
+    };
+    let seen = dot(&mut harness, CrackEndPoint::End);
+    assert!(seen.distance(to) < 3.0, "{seen} {to}");
+    let notes = &harness.state().report().unwrap().notes;
+    assert!(
+        notes
+            .iter()
+            .all(|n| !n.to_string().contains("sawn off straight")),
+        "{notes:?}"
+    );
+    // A click places another, and one on the broken face none.
+    let at = place(&mut harness, 0.6, -2.0);
+    harness.hover_at(at);
+    harness.step();
+    harness.drag_at(at);
+    harness.step();
+    harness.drop_at(at);
+    settle(&mut harness);
+    assert_eq!(harness.state().project.placed_cracks().len(), 2);
+    let (saved, bytes) = saved_and_broken(&mut harness, &folder);
+    assert_eq!(saved, harness.state().project.file);
+    assert!(bytes == exported(&harness), "not the command line's bytes");
+    // All are brought to the broken face at once, as one step.
+    harness.get_by_label("broken face").click();
+    settle(&mut harness);
+    assert_eq!(end(&harness), Some(CrackEnd::Break));
+    let at = place(&mut harness, 0.5, 0.2);
+    drag(&mut harness, at, at + vec2(8.0, 0.0));
+    assert_eq!(harness.state().project.placed_cracks().len(), 2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(end(&harness), Some(CrackEnd::Sawn));
+    for _ in 0..2 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        settle(&mut harness);
+    }
+    assert_eq!(harness.state().project.file, RequestFile::default());
 }

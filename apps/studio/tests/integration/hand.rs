@@ -1,16 +1,19 @@
 //! Pulling on the wood of a simulation with the pointer; pausing the run and stepping through it.
 
 use crate::common::{Folder, drag, settle, studio};
-use eframe::egui::{Key, Modifiers, Vec2};
+use eframe::egui::{Key, Modifiers, Pos2, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use greenstick::built_in_branch;
+use greenstick::fibre::EventKind;
 use greenstick::fibre::scene::{Scene, StemChoice};
 use greenstick::files::read_text;
 use greenstick::geometry::Context;
-use greenstick::simulate::{MemoryRun, SimulateRequest, simulate};
+use greenstick::simulate::{MemoryRun, RunSource, SimulateRequest, simulate};
 use greenstick_studio::model::holds::HoldPart;
 use greenstick_studio::model::simulation::Source;
 use greenstick_studio::ui::studio::Studio;
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// A stick of few rods that is held at its base.
@@ -46,6 +49,12 @@ fn broke(harness: &Window) -> bool {
     outcome.as_ref().unwrap().broke
 }
 
+/// Triangles that a frame of the simulation shows.
+fn simulated_triangles(harness: &Window) -> usize {
+    let drawn = &harness.state().simulation().unwrap().drawn;
+    drawn.as_ref().unwrap().1.indices.len() / 3
+}
+
 fn first_frame(harness: &mut Window) {
     harness.get_by_label("To the first frame").click();
     harness.run_steps(3);
@@ -63,14 +72,26 @@ fn wait(harness: &mut Window, so: impl Fn(&Window) -> bool) {
     }
 }
 
-/// The report on a scene as the command line simulates it.
-fn simulated_alone(scene: Scene) -> String {
+/// The rods that broke, as the window counts them.
+fn broken_rods(harness: &Window) -> String {
+    let outcome = harness.state().simulation().unwrap().outcome.as_ref();
+    let mut facts = outcome.unwrap().facts.iter();
+    facts.find(|f| f.0 == "Broken rods").unwrap().1.clone()
+}
+
+/// The report on a scene as the command line simulates it, and the rods that broke of all, each once.
+fn simulated_alone(scene: Scene) -> (String, String) {
     let request = SimulateRequest {
         scene,
         ..SimulateRequest::default()
     };
-    let report = simulate(&request, &mut MemoryRun::new(), &Context::quiet());
-    report.unwrap().to_string()
+    let mut run = MemoryRun::new();
+    let report = simulate(&request, &mut run, &Context::quiet()).unwrap();
+    let events = run.events().unwrap().into_iter();
+    let breaks = events.filter(|e| e.kind == EventKind::RodBroke);
+    let rods: BTreeSet<u32> = breaks.map(|e| e.rod).collect();
+    let counted = format!("{} of {}", rods.len(), report.rods);
+    (report.to_string(), counted)
 }
 
 #[test]
@@ -124,7 +145,10 @@ fn wood_is_pulled_until_it_breaks_and_the_saved_scene_is_the_same_for_the_comman
         (scene.clamp.len(), scene.clamp[1].axes.to_string()),
         (2, "yz".to_owned())
     );
-    assert_eq!(simulated_alone(scene), pulled);
+    assert_eq!(
+        simulated_alone(scene),
+        (pulled.clone(), broken_rods(&harness))
+    );
 
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut harness);
@@ -164,7 +188,10 @@ fn a_hand_tears_the_stem_at_hand_and_its_break_is_one_step() {
     // The built-in branch has no file: the scene makes it.
     assert_eq!(scene.stem.kind, StemChoice::Branch);
     assert_eq!(scene.clamp[1].axes.to_string(), "xyz");
-    assert_eq!(simulated_alone(scene), report(&harness));
+    assert_eq!(
+        simulated_alone(scene),
+        (report(&harness), broken_rods(&harness))
+    );
     harness.get_by_label("Take this break").click();
     settle(&mut harness);
     assert!(errors(&harness).is_empty(), "{:?}", errors(&harness));
@@ -174,6 +201,84 @@ fn a_hand_tears_the_stem_at_hand_and_its_break_is_one_step() {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     settle(&mut harness);
     assert_eq!(harness.state().project.file, before);
+}
+
+#[test]
+fn a_pull_is_steered_while_it_runs_and_the_saved_scene_is_the_same_run() {
+    let folder = Folder::new();
+    let path = folder.0.join("held.toml");
+    std::fs::write(&path, HELD.replace("0.5", "1.0")).unwrap();
+    let mut harness = studio(&folder, Some(path.to_str().unwrap()));
+    settle(&mut harness);
+    first_frame(&mut harness);
+    harness.key_press(Key::L);
+    harness.run_steps(2);
+    let from = harness.state().stem_place(0.9).unwrap();
+    let pull = |harness: &mut Window, from: Pos2, by: Vec2| {
+        harness.hover_at(from);
+        harness.step();
+        harness.drag_at(from);
+        harness.step();
+        for i in 1..=6 {
+            harness.hover_at(from + by * (i as f32 / 6.0));
+            harness.step();
+        }
+        harness.drop_at(from + by);
+        harness.run_steps(2);
+    };
+    pull(&mut harness, from, Vec2::new(0.0, 50.0));
+    wait(&mut harness, |h| frames(h) >= 4);
+    harness.key_press(Key::Space);
+    harness.run_steps(2);
+    settle(&mut harness);
+    std::thread::sleep(Duration::from_millis(300));
+    settle(&mut harness);
+    let (at, first) = hand(&harness).unwrap();
+    let seen = frames(&harness);
+    assert!(seen < 20, "the run is over");
+    // The hand is where it has got to by now, between where it took hold and where it pulls to.
+    let dot = harness.state().hold_dot(HoldPart::Hand).unwrap();
+    let way = (dot.y - from.y) / 50.0;
+    let part = (seen - 1) as f32 / 20.0;
+    assert!((way / part - 1.0).abs() < 0.35, "{way} {part}");
+    // Other dots are not there.
+    assert!(harness.state().hold_dot(HoldPart::ClampTo(0)).is_none());
+    pull(&mut harness, dot, Vec2::new(0.0, -140.0));
+    wait(&mut harness, |h| frames(h) > seen);
+    settle(&mut harness);
+    // It waited before, and waits again after a frame.
+    assert!(harness.state().simulation().unwrap().paused);
+    assert_eq!(frames(&harness), seen + 1);
+    let holds = &harness.state().simulation().unwrap().holds;
+    let steered = holds.iter().find(|h| h.part == HoldPart::Hand).unwrap();
+    assert_eq!((steered.before.len(), steered.before[0].by), (1, first));
+    let frame = steered.before[0].frame as usize;
+    assert!((seen - 1..=seen).contains(&frame), "{frame} of {seen}");
+    assert!(steered.at == at && steered.by[2] > first[2], "{steered:?}");
+    harness.get_by_label("Go on").click();
+    harness.run_steps(2);
+    settle(&mut harness);
+    assert!(errors(&harness).is_empty(), "{:?}", errors(&harness));
+    let bent = report(&harness);
+    let saved = folder.0.join("steered.toml");
+    harness.state_mut().save_scene(saved.to_str().unwrap());
+    let scene = Scene::read(&read_text(&saved).unwrap()).unwrap();
+    let keys = &scene.clamp[1].key;
+    assert!(keys.len() > 20 && keys[frame].move_by[2] < 0.0);
+    assert!(keys.last().unwrap().move_by[2] > keys[frame].move_by[2]);
+    assert_eq!(
+        simulated_alone(scene),
+        (bent.clone(), broken_rods(&harness))
+    );
+    // Steering is a step of its own: without it the wood is moved anew, to where the hand pulled first.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(hand(&harness), Some((at, first)));
+    assert_eq!(frames(&harness), 21);
+    assert_ne!(report(&harness), bent);
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    settle(&mut harness);
+    assert_eq!(report(&harness), bent);
 }
 
 #[test]
@@ -187,6 +292,13 @@ fn the_stem_at_hand_is_pulled_live_paused_and_stepped() {
     settle(&mut harness);
     assert!(errors(&harness).is_empty(), "{:?}", errors(&harness));
     assert_eq!(frames(&harness), 1);
+    // Before anything breaks, the stem is seen as it is.
+    let whole: usize = built_in_branch()
+        .nodes
+        .iter()
+        .map(|n| n.mesh.triangles.len())
+        .sum();
+    assert_eq!(simulated_triangles(&harness), whole);
     let from = harness.state().stem_place(0.85).unwrap();
     // What is dragged runs at once; the pointer is let go without waiting for the end.
     harness.hover_at(from);

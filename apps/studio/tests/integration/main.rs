@@ -6,6 +6,7 @@ mod cracks;
 mod early;
 mod fans;
 mod hand;
+mod labels;
 mod lost_card;
 mod page;
 mod paint;

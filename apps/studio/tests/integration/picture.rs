@@ -3,7 +3,9 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 use greenstick::RequestFile;
-use greenstick::geometry::{Context, Mesh, Node, Scene};
+use greenstick::geometry::{
+    Attribute, Context, Image, ImageSource, Material, Mesh, Node, Scene, Texture, TextureReference,
+};
 use greenstick_studio::model::engine::{Engine, Haste, Job};
 use greenstick_studio::model::input::Input;
 use greenstick_studio::model::meshes::DrawnScene;
@@ -264,4 +266,167 @@ fn a_wall_shades_the_floor_beside_it_and_no_farther() {
     );
     assert!(darker(3) > 4.0 && darker(3) > 2.0 * darker(8) && darker(8) > darker(14));
     assert!(darker(60).abs() < 1.0, "{}", darker(60));
+}
+
+/// A PNG file of these pixels, not compressed (RFC 2083, RFC 1950).
+fn encode_png(width: u32, height: u32, rgba: &[u8]) -> Vec<u8> {
+    let crc = |bytes: &[u8]| {
+        let step = |crc: u32, byte: &u8| {
+            (0..8).fold(crc ^ u32::from(*byte), |c, _| {
+                (c >> 1) ^ (0xedb8_8320 & (c & 1).wrapping_neg())
+            })
+        };
+        !bytes.iter().fold(!0, step)
+    };
+    let mut rows = Vec::new();
+    for row in rgba.chunks(4 * width as usize) {
+        rows.push(0);
+        rows.extend(row);
+    }
+    let (a, b) = rows.iter().fold((1u32, 0u32), |(a, b), &x| {
+        let a = (a + u32::from(x)) % 65_521;
+        (a, (b + a) % 65_521)
+    });
+    let length = rows.len() as u16;
+    let mut packed = vec![0x78, 0x01, 0x01];
+    packed.extend(length.to_le_bytes());
+    packed.extend((!length).to_le_bytes());
+    packed.extend(rows);
+    packed.extend((b << 16 | a).to_be_bytes());
+    let mut head = Vec::new();
+    head.extend(width.to_be_bytes());
+    head.extend(height.to_be_bytes());
+    head.extend([8, 6, 0, 0, 0]);
+    let mut file = b"\x89PNG\r\n\x1a\n".to_vec();
+    for (name, content) in [(b"IHDR", &head), (b"IDAT", &packed), (b"IEND", &Vec::new())] {
+        file.extend((content.len() as u32).to_be_bytes());
+        let mut chunk = name.to_vec();
+        chunk.extend(content);
+        file.extend(&chunk);
+        file.extend(crc(&chunk).to_be_bytes());
+    }
+    file
+}
+
+/// A square that fills the picture, of a material with 8 × 8 pixels of colour and, where given, of a relief.
+fn board(
+    material: Material,
+    color: impl Fn(u8, u8) -> [u8; 4],
+    relief: Option<[u8; 4]>,
+) -> Arc<DrawnScene> {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let mut mesh = Mesh {
+        positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        materials: vec![0; 2],
+        ..Mesh::default()
+    };
+    let uv = corners
+        .iter()
+        .flat_map(|[x, y]| [0.5 + 0.5 * *x as f32, 0.5 - 0.5 * *y as f32]);
+    let uv = Attribute {
+        width: 2,
+        data: uv.collect(),
+    };
+    mesh.attributes.insert("TEXCOORD_0".to_owned(), uv);
+    let image = |value: &dyn Fn(u8, u8) -> [u8; 4]| {
+        let rgba: Vec<u8> = (0..64).flat_map(|i| value(i % 8, i / 8)).collect();
+        Image {
+            name: String::new(),
+            mime_type: "image/png".to_owned(),
+            source: ImageSource::Bytes(encode_png(8, 8, &rgba)),
+        }
+    };
+    let reference = |texture| {
+        Some(TextureReference {
+            texture,
+            coordinates: 0,
+            transform: None,
+            strength: 1.0,
+        })
+    };
+    let texture = |image| Texture {
+        image: Some(image),
+        alternatives: Vec::new(),
+        sampler: [None; 4],
+    };
+    let normal = relief.unwrap_or_default();
+    let scene = Scene {
+        nodes: vec![Node::new("board", DAffine3::IDENTITY, mesh)],
+        materials: vec![Material {
+            base_color_texture: reference(0),
+            normal_texture: reference(1).filter(|_| relief.is_some()),
+            ..material
+        }],
+        textures: vec![texture(0), texture(1)],
+        images: vec![image(&color), image(&|_, _| normal)],
+        ..Scene::default()
+    };
+    Arc::new(DrawnScene::unbroken(&scene))
+}
+
+#[test]
+fn holes_opacity_and_relief_of_materials_are_seen() {
+    let Some(card) = card("holes_opacity_and_relief_of_materials_are_seen") else {
+        return;
+    };
+    let mut renderer = Renderer::new(&card.device, &card.queue, wgpu::TextureFormat::Rgba8Unorm);
+    let mut number = 0;
+    let mut draw = |shown: Arc<DrawnScene>| {
+        number += 1;
+        let mut camera = Camera::default();
+        camera.look(AxisView::Front, false);
+        camera.frame(Vec3::ZERO, 0.8, 1.0);
+        let view = View {
+            shown: Some((number, shown)),
+            camera,
+            size: [SIDE; 2],
+            colours: Colours::Wood,
+            wireframe: false,
+            section: None,
+            background: [0.0, 0.0, 1.0],
+        };
+        let pixels = card.draw(&mut renderer, &view);
+        // The mean red and blue of a square within the left, and within the right half.
+        [60, 160].map(|left| {
+            let square =
+                (100..140).flat_map(|y| (left..left + 36).map(move |x| y * SIDE as usize + x));
+            let (mut red, mut blue, mut count) = (0.0, 0.0, 0.0);
+            for at in square {
+                let [r, _, b, _] = pixels[at];
+                (red, blue, count) = (red + f64::from(r), blue + f64::from(b), count + 1.0);
+            }
+            [red / count, blue / count]
+        })
+    };
+    // Red, the right half clear.
+    let half = |x: u8, _: u8| [200, 0, 0, if x < 4 { 255 } else { 40 }];
+    let of = |mode: &str| Material {
+        alpha_mode: mode.to_owned(),
+        ..Material::default()
+    };
+    let [left, right] = draw(board(of("OPAQUE"), half, None));
+    assert!(left[0] > 60.0 && (left[0] - right[0]).abs() < 25.0 && right[1] < 60.0);
+    let [left, right] = draw(board(of("MASK"), half, None));
+    assert!(left[0] > 60.0 && left[1] < 60.0, "{left:?}");
+    assert!(right[0] < 5.0 && right[1] > 100.0, "a hole: {right:?}");
+    // Below the cutoff nothing is clear.
+    let lower = Material {
+        alpha_cutoff: 0.1,
+        ..of("MASK")
+    };
+    assert!(draw(board(lower, half, None))[1][1] < 60.0);
+    // Half clear: both are seen.
+    let glass = |_: u8, _: u8| [200, 0, 0, 128];
+    let [_, through] = draw(board(of("BLEND"), glass, None));
+    assert!(through[0] > 25.0 && through[1] > 60.0, "{through:?}");
+    assert!(through[0] < left[0] && through[1] < right[1], "{through:?}");
+    // A relief that leans to the key light, on the left and above, is brighter than one that leans away; one that is flat changes nothing.
+    let grey = |_: u8, _: u8| [150, 150, 150, 255];
+    let leans = |x: u8| Some([x, 128, 220, 255]);
+    let [to, away] = [50, 206].map(|x| draw(board(of("OPAQUE"), grey, leans(x)))[0][0]);
+    assert!(to > away + 20.0, "{to} {away}");
+    let [flat, none] =
+        [Some([128, 128, 255, 255]), None].map(|r| draw(board(of("OPAQUE"), grey, r))[0][0]);
+    assert!((flat - none).abs() < 2.0, "{flat} {none}");
 }

@@ -5,9 +5,12 @@ use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use greenstick::RequestFile;
+use greenstick::files::encode;
+use greenstick::formats::LengthUnit;
 use greenstick::schema::{Kind, Parameters, Value};
 use greenstick::wood::noise::unit;
 use greenstick_studio::ui::studio::Studio;
+use std::path::Path;
 use std::time::Instant;
 
 #[test]
@@ -362,4 +365,37 @@ fn sliders_at_their_ends_and_at_random_do_no_harm() {
         1e3 * longest
     );
     assert!(half < LONGEST_UPDATE, "{half} s");
+}
+
+#[test]
+fn a_stem_that_is_too_thick_asks_for_the_unit_of_its_file() {
+    let folder = Folder::new();
+    // The built-in branch, in millimetres.
+    let mut scene = greenstick::built_in_branch();
+    for node in &mut scene.nodes {
+        let large = node
+            .mesh
+            .transformed(&glam::DAffine3::from_scale(glam::DVec3::splat(1e3)));
+        node.mesh = large.into();
+    }
+    let outputs = encode(&scene, Path::new("branch.stl"), LengthUnit::Metre).unwrap();
+    let path = folder.0.join("branch.stl");
+    std::fs::write(&path, &outputs[0].bytes).unwrap();
+    let mut harness = studio(&folder, Some(path.to_str().unwrap()));
+    settle(&mut harness);
+    let thick = |h: &Harness<'static, Studio>| 2.0 * h.state().report().unwrap().place.radius_m;
+    assert!((thick(&harness) - 40.6).abs() < 1.0, "{}", thick(&harness));
+    harness.get_by_label("Millimetres").click();
+    harness.run_steps(2);
+    settle(&mut harness);
+    assert!(
+        (thick(&harness) - 0.0406).abs() < 1e-3,
+        "{}",
+        thick(&harness)
+    );
+    assert_eq!(
+        harness.state().project.file.unit,
+        Some(LengthUnit::Millimetre)
+    );
+    assert!(harness.query_by_label("Millimetres").is_none());
 }

@@ -2,7 +2,8 @@
 //!
 //! A run is recorded in a [`RunStore`](crate::store::RunStore), such as a [`MemoryRun`](crate::store::MemoryRun). Tables
 //! and frames only grow, and a checkpoint says how long they were when it was made. A run is resumed by cutting them to
-//! that length and continuing, so that a run that was stopped anywhere ends in the same bytes.
+//! that length and continuing, so that a run that was stopped anywhere ends in the same bytes. From there on its clamps may have other
+//! key frames; it then ends in the bytes of a run that had those from the start.
 //!
 //! ```
 //! use greenstick_fibre::scene::Scene;
@@ -35,6 +36,7 @@ mod prepare;
 mod refine;
 mod report;
 mod run;
+mod steered;
 mod tissue_report;
 
 pub use curves::{LoadCurves, energy_curves};

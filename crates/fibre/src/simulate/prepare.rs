@@ -294,10 +294,20 @@ pub(super) fn prepare(
     } = fill_scene_stem(scene, meshes.input.as_ref(), context)?;
     let wood = TissueReport::from_rods(&placed);
     let assembled = assemble(&run_scene, placed.bundle, &placed.along, &shapes, context)?;
-    // The duration may grow when a run is resumed; everything else must be as it was.
+    Ok(PreparedScene {
+        wood,
+        notes,
+        hash: hash(&run_scene, &assembled),
+        assembled,
+        scene: run_scene,
+    })
+}
+
+/// Returns what identifies a simulation: its scene, and where its rods begin. The duration may grow when a run is resumed.
+pub(super) fn hash(scene: &crate::Scene, assembled: &AssembledScene) -> u64 {
     let without_duration = crate::Scene {
         duration: 0.0,
-        ..run_scene.clone()
+        ..scene.clone()
     };
     let mut content = without_duration.to_toml().into_bytes();
     let position = &assembled.world.state.position;
@@ -305,13 +315,7 @@ pub(super) fn prepare(
         part.iter()
             .for_each(|v| content.extend(v.to_bits().to_le_bytes()));
     }
-    Ok(PreparedScene {
-        wood,
-        notes,
-        assembled,
-        scene: run_scene,
-        hash: checksum(&content),
-    })
+    checksum(&content)
 }
 
 /// The unbroken rods in the scene's axes.

@@ -128,7 +128,7 @@ pub struct SimulateReport {
     pub time_s: f64,
     /// Frames recorded.
     pub frames: u64,
-    /// Number of rods that broke, of edges that yielded, and of bonds that broke.
+    /// Number of breaks of rods, each of which may break in several places, of edges that yielded, and of bonds that broke.
     pub broke: [u64; 3],
     /// Time of the first break, s.
     pub first_break_s: Option<f64>,
@@ -177,10 +177,15 @@ impl std::fmt::Display for SimulateReport {
         let first = self
             .first_break_s
             .map_or(String::new(), |t| format!(", first at {t:.4} s"));
-        let [rods, yields, bonds] = self.broke;
+        let [breaks, yields, bonds] = self.broke;
+        // A rod may break in several places.
+        let rods = match self.outcome.as_ref().map(|o| o.rods_broken as u64) {
+            Some(rods) if rods < breaks => format!("{rods} rods in {breaks} places"),
+            _ => format!("{breaks} rods"),
+        };
         writeln!(
             f,
-            "broke    {rods} rods, {bonds} bonds; {yields} edges yielded{first}; {:.4} J lost",
+            "broke    {rods}, {bonds} bonds; {yields} edges yielded{first}; {:.4} J lost",
             self.fracture_loss_j
         )?;
         if let Some(outcome) = &self.outcome {

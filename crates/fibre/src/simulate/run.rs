@@ -4,6 +4,7 @@ use super::error::SimulateError;
 use super::meshes::SceneMeshes;
 use super::prepare::{PreparedScene, prepare};
 use super::report::{Buckled, SimulateReport, begin_report, finish_report};
+use super::steered::is_steered;
 use crate::error::SolverError;
 use crate::event::EventKind;
 use crate::outcome::WoodAtStart;
@@ -24,7 +25,8 @@ pub struct SimulateRequest {
     pub scene: Scene,
     /// The meshes that it names.
     pub meshes: SceneMeshes,
-    /// Whether to continue from the checkpoint of the run instead of beginning it.
+    /// Whether to continue from the checkpoint of the run instead of beginning it. The scene may then last longer, and its clamps
+    /// may have other key frames from the checkpoint on, where the run's record takes that ([`RunSink::steer`](crate::store::RunSink::steer)).
     pub resume: bool,
 }
 
@@ -60,11 +62,15 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Goes back to a checkpoint after which nothing was recorded.
+    /// Goes back to a checkpoint after which nothing was recorded. Clamps move as the scene says: after the checkpoint that may be
+    /// otherwise than the scene said before.
     fn restore(&mut self, checkpoint: Checkpoint) -> Result<(), SimulateError> {
         let assembled = &mut self.assembled;
-        assembled.world = checkpoint.world;
-        let world = &assembled.world;
+        let before = std::mem::replace(&mut assembled.world, checkpoint.world);
+        let world = &mut assembled.world;
+        for (clamp, own) in world.loads.clamps.iter_mut().zip(before.loads.clamps) {
+            clamp.motion = own.motion;
+        }
         (assembled.bodies).resume(&checkpoint.bodies, &world.bundle, &world.loads)?;
         self.progress = checkpoint.progress;
         Ok(())
@@ -273,8 +279,11 @@ pub fn simulate(
         notes,
     } = prepare(&request.scene, &request.meshes, &preparing)?;
     // Nothing of a run is cut before its checkpoint is known to be good.
-    if checkpoint.as_ref().is_some_and(|c| c.hash != hash) {
-        return Err(SimulateError::OtherRun { run: store.name() });
+    if let Some(checkpoint) = checkpoint.as_ref().filter(|c| c.hash != hash) {
+        let is_steered = is_steered(checkpoint, &store.scene()?, &scene, &assembled);
+        if !(is_steered && store.steer(&scene)?) {
+            return Err(SimulateError::OtherRun { run: store.name() });
+        }
     }
     let start = {
         let AssembledScene {

@@ -69,6 +69,11 @@ impl RunSink for MemoryRun {
         cut(&mut self.forces, lengths.forces)
     }
 
+    fn steer(&mut self, scene: &Scene) -> Result<bool, RunError> {
+        self.scene = Some(scene.clone());
+        Ok(true)
+    }
+
     fn energy(&mut self, row: &EnergyRow) -> Result<(), RunError> {
         self.energies.push(*row);
         Ok(())

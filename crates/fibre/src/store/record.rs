@@ -26,6 +26,15 @@ pub trait RunSink: Send {
     /// [`RunError`]; [`RunError::Short`] where a record is shorter than it was.
     fn resume(&mut self, progress: &Progress) -> Result<(), RunError>;
 
+    /// Replaces the scene of a run that goes on from its last checkpoint with other key frames of its clamps. Returns whether the
+    /// record takes that; one that does not goes on with the scene that it was begun with alone.
+    ///
+    /// # Errors
+    /// [`RunError`].
+    fn steer(&mut self, _scene: &Scene) -> Result<bool, RunError> {
+        Ok(false)
+    }
+
     /// Takes a row of the energy table.
     ///
     /// # Errors

@@ -12,6 +12,7 @@ mod parted;
 mod scenes;
 mod solvers;
 mod specimens;
+mod steered;
 #[path = "../support/mod.rs"]
 mod support;
 mod torsion;
