@@ -33,7 +33,7 @@ const PLATE_SHARE: f64 = 0.55;
 const PLATE_STEP: f64 = 0.1;
 const PLATE_SLANT: f64 = 0.3;
 /// Greatest slope of torn bark outwards, by how much that of single places differs, and how much of it the plates of a strip share.
-const SLANT: f64 = 6.0;
+const SLANT: f64 = 5.0;
 const CRUMBS: f64 = 1.5;
 const STRIP_SHARE: f64 = 0.55;
 /// Greatest distance from the wood, radii, at which bark is as much higher as its slope says: nodes beyond the skin of a section that is

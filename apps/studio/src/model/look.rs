@@ -129,7 +129,7 @@ impl WoodLook {
                 furrow: color(bark.furrow_color),
                 edges: [w.radius, w.pith, w.heartwood, w.phloem].map(|x| x as f32),
                 rings: [
-                    w.cork as f32,
+                    w.drawn_inner_bark_end() as f32,
                     w.latewood_contrast as f32,
                     w.latewood_width as f32,
                     flag(w.ring_porous),

@@ -131,7 +131,10 @@ impl Studio {
         ui.label(RichText::new("Frame").weak());
         let ctx = ui.ctx().clone();
         let simulates = self.simulation.is_some();
-        for (action, name) in [(Action::FrameBreak, "break"), (Action::FrameAll, "all")] {
+        for (action, name) in [
+            (Action::FrameBreak, "break"),
+            (Action::FrameAll, "everything"),
+        ] {
             // A simulation has no place yet at which it breaks.
             if simulates && action == Action::FrameBreak {
                 continue;

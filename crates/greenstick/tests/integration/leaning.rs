@@ -160,29 +160,40 @@ fn splinters_lean_to_all_sides_as_much_as_asked_for() {
     }
 }
 
-/// How far the sides of splinters lie off the grain, below the highest fifth of them and in it: mean angles, degrees, by the area of
+/// Ring coordinate beyond which there is no wood.
+const BARK: f32 = 0.93;
+
+/// How far the sides of splinters lie off the grain, below the highest tenth of them and in it: mean angles, degrees, by the area of
 /// the broken face that is steep.
 fn slopes(broken: &Broken, node: usize) -> [f64; 2] {
     let stem = &broken.woods[0].stem;
     let frame = stem.grain.axis().frame(stem.location);
     let mesh = &broken.scene.nodes[node].mesh;
     let inner = (0..mesh.triangles.len()).filter(|&t| mesh.material(t) == broken.woods[0].material);
+    let ring = &mesh.attributes["_RING"];
     let mut sides: Vec<(f64, f64, f64)> = inner
         .filter_map(|t| {
             let [a, b, c] = mesh.corners(t);
             let normal = (b - a).cross(c - a);
             let area = normal.length();
-            // Sides of splinters, not their torn ends.
+            // Sides of splinters, not their torn ends, nor those of bark, which are slanted.
             let along = normal.normalize_or_zero().dot(frame.tangent).abs();
             let height = ((a + b + c) / 3.0 - frame.origin).dot(frame.tangent);
-            (area > 0.0 && along < 0.6).then_some((height, area, along.asin().to_degrees()))
+            let is_wood = mesh.triangles[t]
+                .iter()
+                .all(|&v| ring.at(v as usize)[0] < BARK);
+            (area > 0.0 && along < 0.6 && is_wood).then_some((
+                height,
+                area,
+                along.asin().to_degrees(),
+            ))
         })
         .collect();
     sides.sort_by(|a, b| a.0.total_cmp(&b.0));
     if node == 1 {
         sides.reverse();
     }
-    let (foot, tips) = sides.split_at(sides.len() * 4 / 5);
+    let (foot, tips) = sides.split_at(sides.len() * 9 / 10);
     [foot, tips].map(|half| {
         let area: f64 = half.iter().map(|s| s.1).sum();
         half.iter().map(|s| s.1 * s.2).sum::<f64>() / area

@@ -47,7 +47,7 @@ fn breaks_of_all_kinds_keep_a_budget_and_use_most_of_it() {
     for (name, settings, presets, fray, small) in [
         ("smooth", &["surface=smooth"][..], &[][..], 0.0, 5_000),
         ("fibrous", &[], &[], 0.0, 5_000),
-        ("frayed", &[], &[], 0.5, 18_000),
+        ("frayed", &[], &[], 0.5, 18_500),
         ("twist", &[], &["twist"], 0.0, 14_000),
     ] {
         let free = request(settings, presets, None, fray);

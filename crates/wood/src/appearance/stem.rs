@@ -45,8 +45,6 @@ const FURROW_SHADE: f64 = 0.35;
 const LIGHT_HEARTWOOD: f64 = 0.93;
 /// Ring coordinates between which the outer bark may begin.
 const CORK_START: (f64, f64) = (0.6, 0.99);
-/// Part of the bark outside of the wood that is inner bark, too: the outer bark is what its furrows part.
-const INNER_BARK_SHARE: f64 = 0.4;
 /// Least ring coordinate at which the inner bark begins.
 const MIN_PHLOEM_START: f64 = 0.3;
 /// A ring coordinate beyond all wood: the tissue is absent.
@@ -130,10 +128,7 @@ impl WoodAppearance {
             (wood.pith, wood.heartwood, wood.phloem, wood.cork) = (0.0, 0.0, ABSENT, ABSENT);
         } else {
             wood.cork = match stem.kind.has_bark() {
-                true => {
-                    let bark = bark.clamp(CORK_START.0, CORK_START.1);
-                    bark + INNER_BARK_SHARE * (1.0 - bark)
-                }
+                true => bark.clamp(CORK_START.0, CORK_START.1),
                 false => ABSENT,
             };
             wood.pith = proportions.pith;
@@ -145,7 +140,7 @@ impl WoodAppearance {
             let wood_end = wood.heartwood.max(MIN_PHLOEM_START);
             // The inner bark goes with the bark.
             wood.phloem = match stem.kind.has_bark() {
-                true => (bark.clamp(CORK_START.0, CORK_START.1) - proportions.phloem).max(wood_end),
+                true => (wood.cork - proportions.phloem).max(wood_end),
                 false => ABSENT,
             };
         }

@@ -33,6 +33,9 @@ const LIVING_SHARE: f64 = 0.45;
 const LIVING_TINT: DVec3 = DVec3::new(0.86, 0.90, 0.72);
 const BAST_TONES: f64 = 0.38;
 
+/// Part of the outer bark that is drawn as inner bark, too: what its furrows part begins farther out.
+const INNER_BARK_SHARE: f64 = 0.3;
+
 /// In the hash: what tints are drawn for.
 const TINT: u64 = 0x71;
 
@@ -72,10 +75,15 @@ impl WoodAppearance {
         tint * mix(DVec3::ONE, MOIST_COLOR, moist)
     }
 
+    /// Returns the ring coordinate at which the inner bark ends where it is drawn; the tissue of the model ends at `cork`.
+    pub fn drawn_inner_bark_end(&self) -> f64 {
+        self.cork + INNER_BARK_SHARE * (1.0 - self.cork).max(0.0)
+    }
+
     /// The colour of the inner bark at a ring coordinate in strings of a tone of −1 to 1: pale and moist next to the wood, where it
     /// lives, and darker outwards.
     pub(super) fn inner_bark_color(&self, rho: f64, tone: f64) -> [f64; 3] {
-        let depth = (rho - self.phloem) / (self.cork - self.phloem).max(1e-6);
+        let depth = (rho - self.phloem) / (self.drawn_inner_bark_end() - self.phloem).max(1e-6);
         let living = 1.0 - smoothstep(0.0, LIVING_BARK, depth + 0.3 * tone);
         let dark = DVec3::from_array(self.phloem_color) * (1.0 + BAST_TONES * tone);
         let pale = mix(
@@ -137,7 +145,7 @@ mod tests {
     fn inner_bark_is_palest_next_to_the_wood() {
         let wood = WoodAppearance::softwood();
         let at = |part: f64| {
-            let rho = wood.phloem + part * (wood.cork - wood.phloem);
+            let rho = wood.phloem + part * (wood.drawn_inner_bark_end() - wood.phloem);
             DVec3::from_array(wood.inner_bark_color(rho, 0.0)).element_sum()
         };
         assert!(at(0.05) > 1.2 * at(0.95));

@@ -309,7 +309,8 @@ impl WoodAppearance {
     ) {
         let rho = address.rho;
         let soft = (footprint / self.radius).max(0.004);
-        let margin = 0.01 + (self.cork - self.phloem).clamp(0.0, 0.1);
+        let cork = self.drawn_inner_bark_end();
+        let margin = 0.01 + (cork - self.phloem).clamp(0.0, 0.1);
         let near_bark = rho > self.phloem - soft - margin;
         let near_pith = rho <= self.pith * 1.15 + soft + 0.01;
         if !near_bark && !near_pith {
@@ -339,10 +340,10 @@ impl WoodAppearance {
         // out it is the side of a plate of bark.
         let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards)
             * (1.0 - surface.end)
-            * (1.0 - smoothstep(self.cork + OUTSIDE.0, self.cork + OUTSIDE.1, rho));
+            * (1.0 - smoothstep(cork + OUTSIDE.0, cork + OUTSIDE.1, rho));
         let strings = BAST_SHARE * smoothstep(BAST.0, BAST.1, surface.tone + 0.35 * ragged);
         // What looks outwards farther from the cambium is inner bark that the outer bark came off.
-        let from_wood = (rho - self.phloem) / (self.cork - self.phloem).max(1e-6);
+        let from_wood = (rho - self.phloem) / (cork - self.phloem).max(1e-6);
         let bare = 1.0 - smoothstep(BARE_BAST.0, BARE_BAST.1, from_wood);
         let bare_wood = |edge: f64| match edge == self.phloem {
             true => peeled * bare * (1.0 - strings),
@@ -350,7 +351,7 @@ impl WoodAppearance {
         };
         for (edge, color, grain) in [
             (self.phloem, self.phloem_color, 0.20),
-            (self.cork, self.cork_color, 0.42),
+            (cork, self.cork_color, 0.42),
         ] {
             let wavy = rho + (0.008 * ragged + uneven);
             let inside = smoothstep(edge - soft, edge + soft, wavy) * (1.0 - bare_wood(edge));
@@ -367,7 +368,7 @@ impl WoodAppearance {
 
     /// How far the borders of the inner bark are shifted at a place, in ring coordinates.
     fn uneven_bark(&self, place: DVec3, noises: &mut impl Noises) -> f64 {
-        let thick = (self.cork - self.phloem).clamp(0.0, 0.1);
+        let thick = (self.drawn_inner_bark_end() - self.phloem).clamp(0.0, 0.1);
         let mut shift = 0.0;
         for (n, size, share) in [(1u64, 0.5, 0.5), (2, 0.13, 0.32)] {
             let size = size * self.radius.max(1e-6);
@@ -473,8 +474,13 @@ mod tests {
         ] {
             let sapwood = mean(&look, look.heartwood + 0.12, look.phloem - 0.02, 0.0);
             let heartwood = mean(&look, look.pith + 0.05, look.heartwood - 0.12, 0.0);
-            let phloem = mean(&look, look.phloem + 0.012, look.cork - 0.006, 0.0);
-            let cork = mean(&look, look.cork + 0.012, 1.0, 0.0);
+            let phloem = mean(
+                &look,
+                look.phloem + 0.012,
+                look.drawn_inner_bark_end() - 0.006,
+                0.0,
+            );
+            let cork = mean(&look, look.drawn_inner_bark_end() + 0.012, 1.0, 0.0);
             let end = mean(&look, look.heartwood + 0.12, look.phloem - 0.02, 1.0);
             assert!(
                 sapwood > heartwood * 1.15,
