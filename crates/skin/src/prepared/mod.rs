@@ -21,7 +21,7 @@ use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::repair::{self, KnownPositions};
-use greenstick_geometry::{Cancelled, Context, Node, Scene};
+use greenstick_geometry::{Cancelled, Context, Mesh, Node, Scene};
 use greenstick_wood::appearance::{EndSection, WoodAppearance};
 use greenstick_wood::species::UnknownSpecies;
 use greenstick_wood::stem::{
@@ -162,19 +162,13 @@ impl PreparedStem {
         let mut mesh = Arc::unwrap_or_clone(mesh);
         context.check()?;
         let (points, count) = mesh.points();
-        let mut grain = vec![DVec3::NAN; count];
-        for (i, &t) in found.limb.iter().enumerate() {
-            if i % CHECK_INTERVAL == 0 {
-                context.check()?;
-            }
-            for v in mesh.triangles[t as usize] {
-                let p = points[v as usize] as usize;
-                if grain[p].is_nan() {
-                    let world = transform.transform_point3(mesh.positions[v as usize]);
-                    grain[p] = layers.to_grain(world);
-                }
-            }
-        }
+        let grain = grain_of_limb(
+            &mesh,
+            (&points, count),
+            &found.limb,
+            (&transform, &layers),
+            context,
+        )?;
         context.check()?;
         orientation::orient_outwards(&mut mesh, &points, &grain, &mut found);
         let mut splitter = LevelSplitter {
@@ -416,4 +410,28 @@ fn has_plain_surface(scene: &Scene, node: usize) -> bool {
 /// Cubic metres per cubic unit of a node's coordinates.
 pub fn volume_scale(node: &Node) -> f64 {
     node.transform.matrix3.determinant().abs()
+}
+
+/// Returns where the points (`points` of the vertices, `count` in all) of a limb's triangles lie in grain space; NaN for all others.
+fn grain_of_limb(
+    mesh: &Mesh,
+    (points, count): (&[u32], usize),
+    limb: &[u32],
+    (transform, layers): (&DAffine3, &LayeredGrain),
+    context: &Context,
+) -> Result<Vec<DVec3>, Cancelled> {
+    let mut grain = vec![DVec3::NAN; count];
+    for (i, &t) in limb.iter().enumerate() {
+        if i % CHECK_INTERVAL == 0 {
+            context.check()?;
+        }
+        for v in mesh.triangles[t as usize] {
+            let p = points[v as usize] as usize;
+            if grain[p].is_nan() {
+                let world = transform.transform_point3(mesh.positions[v as usize]);
+                grain[p] = layers.to_grain(world);
+            }
+        }
+    }
+    Ok(grain)
 }
