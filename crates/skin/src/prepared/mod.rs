@@ -192,11 +192,8 @@ impl PreparedStem {
             parts,
             ..
         } = splitter;
-        let corners: Vec<[u32; 3]> = mesh
-            .triangles
-            .iter()
-            .map(|t| t.map(|v| points[v as usize]))
-            .collect();
+        let corner = |t: &[u32; 3]| t.map(|v| points[v as usize]);
+        let corners: Vec<[u32; 3]> = mesh.triangles.iter().map(corner).collect();
         let solid = Solid {
             triangles: &corners,
             points: &grain,
@@ -206,10 +203,7 @@ impl PreparedStem {
         context.check()?;
         let skin = Skin::new(&solid, found.stem.usable);
         context.check()?;
-        let mut vertices = vec![0; grain.len()];
-        for (vertex, &point) in points.iter().enumerate() {
-            vertices[point as usize] = vertex as u32;
-        }
+        let vertices = vertex_of_points(&points, grain.len());
         context.check()?;
         let extent = SectionExtent::new(&found, &corners, &grain);
         Ok(PreparedStem {
@@ -434,4 +428,13 @@ fn grain_of_limb(
         }
     }
     Ok(grain)
+}
+
+/// Returns the last vertex at each of `count` points, which are those of the vertices.
+fn vertex_of_points(points: &[u32], count: usize) -> Vec<u32> {
+    let mut vertices = vec![0; count];
+    for (vertex, &point) in points.iter().enumerate() {
+        vertices[point as usize] = vertex as u32;
+    }
+    vertices
 }
