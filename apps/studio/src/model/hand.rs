@@ -6,7 +6,9 @@
 //! end of a cantilever turns under a force there: by one and a half times the deflection over the length (Timoshenko and Goodier,
 //! *Theory of Elasticity*, § 21).
 
-use super::holds::{Hold, HoldPart, Moved, Steered};
+use super::holds::{Hold, HoldPart};
+#[cfg(not(target_arch = "wasm32"))]
+use super::holds::{Moved, Steered};
 #[cfg(not(target_arch = "wasm32"))]
 use greenstick::fibre::scene::{
     ClampKeys, HeldAxes, KeyFrame, Scene as Setting, SolverChoice, StemChoice,
