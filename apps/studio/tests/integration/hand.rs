@@ -203,6 +203,20 @@ fn a_hand_tears_the_stem_at_hand_and_its_break_is_one_step() {
     assert_eq!(harness.state().project.file, before);
 }
 
+/// Drags from a place of the window, in steps, as a hand would.
+fn pull(harness: &mut Window, from: Pos2, by: Vec2) {
+    harness.hover_at(from);
+    harness.step();
+    harness.drag_at(from);
+    harness.step();
+    for i in 1..=6 {
+        harness.hover_at(from + by * (i as f32 / 6.0));
+        harness.step();
+    }
+    harness.drop_at(from + by);
+    harness.step();
+}
+
 #[test]
 fn a_pull_is_steered_while_it_runs_and_the_saved_scene_is_the_same_run() {
     let folder = Folder::new();
@@ -214,18 +228,6 @@ fn a_pull_is_steered_while_it_runs_and_the_saved_scene_is_the_same_run() {
     harness.key_press(Key::L);
     harness.run_steps(2);
     let from = harness.state().stem_place(0.9).unwrap();
-    let pull = |harness: &mut Window, from: Pos2, by: Vec2| {
-        harness.hover_at(from);
-        harness.step();
-        harness.drag_at(from);
-        harness.step();
-        for i in 1..=6 {
-            harness.hover_at(from + by * (i as f32 / 6.0));
-            harness.step();
-        }
-        harness.drop_at(from + by);
-        harness.step();
-    };
     pull(&mut harness, from, Vec2::new(0.0, 50.0));
     // It is held at once, and let go on by single frames: on a slow machine the window sees the run less often than it makes frames.
     harness.key_press(Key::Space);

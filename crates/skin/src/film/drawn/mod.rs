@@ -11,7 +11,7 @@
 //! | `sections` | joints along each piece, and the rods that each follows |
 //! | `strands` | the rods that a piece follows where it is split lengthwise |
 //! | `lengths` | which length of the stem every vertex of a piece belongs to |
-//! | `whole` | wood before its first break
+//! | `whole` | wood before its first break |
 //! | `faces` | vertices on both sides of a face, and how far they gape before it opens |
 
 mod faces;
