@@ -210,8 +210,8 @@ pub fn picture_of_break(
     context: &Context,
 ) -> Result<Picture, PictureError> {
     let woods = broken.woods.iter().map(Inside::new).collect();
-    // The outside of a piece that hangs faces elsewhere than it did on the stem.
-    let shader = StemShader::new(&broken.scene, woods, broken.hinge.is_some())?;
+    // The outside of a piece that was moved faces elsewhere than it did on the stem.
+    let shader = StemShader::new(&broken.scene, woods, true)?;
     // Only a stem with one break is opened for its picture.
     let [wood] = &broken.woods[..] else {
         let near = options.close_up.zip(broken.woods.first());
@@ -223,9 +223,10 @@ pub fn picture_of_break(
         return render_scene(&broken.scene, &shader, &options, context);
     };
     let is_opened = broken.hinge.is_none() && broken.end.is_none();
-    let mut scene = match is_opened {
-        true => view(broken, wood).opened(&broken.scene, &broken.roles),
-        false => broken.scene.clone(),
+    let motion = is_opened.then(|| view(broken, wood).opening(&broken.scene, &broken.roles));
+    let mut scene = match &motion {
+        Some(motion) => view(broken, wood).opened(&broken.scene, &broken.roles, motion),
+        None => broken.scene.clone(),
     };
     let mut options = options.clone();
     if let (None, Some(diameters), None) = (options.zoom, options.close_up, broken.end) {
@@ -254,7 +255,7 @@ pub fn picture_of_break(
     }
     let has_chips = options.chips && options.floor && broken.end.is_none();
     if has_chips && broken.report.face.surface == "fibrous" {
-        (scene.nodes).push(view(broken, wood).chips(&options.shown, options.up, is_opened));
+        (scene.nodes).push(view(broken, wood).chips(&options.shown, options.up, motion.as_ref()));
     }
     render_scene(&scene, &shader, &options, context)
 }

@@ -110,7 +110,7 @@ impl Studio {
             up: up.as_vec3(),
             lamps: [
                 Lamp::new(
-                    direction(-0.92, 0.81, 0.4),
+                    direction(-0.45, 0.85, 0.75),
                     KEY_LIGHT_COSINE,
                     Vec3::new(4.30, 4.07, 3.66),
                 ),

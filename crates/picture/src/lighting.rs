@@ -13,6 +13,8 @@ use std::ops::Range;
 /// Fraction of the sky that is assumed to be visible from surfaces that indirect light comes from; their occlusion is not
 /// traced.
 const INDIRECT_OPENNESS: f32 = 0.6;
+/// Share of what surfaces that indirect light comes from reflect that meets such surfaces again.
+const FURTHER_BOUNCES: f32 = 0.5;
 /// Share of indirect rays whose surfaces are lit by the rim light; the others take the key light.
 const RIM_LIGHT_SHARE: f32 = 0.25;
 
@@ -143,6 +145,7 @@ impl Scene<'_> {
         if cosine > 0.0 && !self.is_hidden(bounce.position, bounce.normal, to_lamp) {
             light += lamp.irradiance * (cosine / (probability * PI));
         }
-        bounce.color * light
+        // Light that goes on between surfaces loses their colour each time: a geometric series.
+        bounce.color * light / (Vec3::ONE - bounce.color * FURTHER_BOUNCES)
     }
 }

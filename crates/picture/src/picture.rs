@@ -1,5 +1,6 @@
 //! Finished pictures: tone mapping and PNG.
 
+use crate::light::luminance;
 use glam::Vec3;
 use greenstick_geometry::{Metadata, MetadataEntry};
 use rayon::prelude::*;
@@ -31,11 +32,17 @@ pub(crate) enum Film {
 const PHOTOGRAPHIC_GAMMA: f64 = 1.16;
 const PHOTOGRAPHIC_EXPOSURE: f32 = 1.36;
 
+/// Luminance that the brightest large parts of a photograph have at most, and the share of its pixels that is brighter than those: the
+/// photographer exposes for the highlights.
+const HIGHLIGHT: f32 = 0.62;
+const HIGHLIGHT_SHARE: f64 = 0.12;
+
 impl Film {
-    fn exposure(self) -> f32 {
+    /// The exposure of a picture whose brightest large parts have this luminance.
+    fn exposure(self, highlight: f32) -> f32 {
         match self {
             Film::Even => 1.0,
-            Film::Photographic => PHOTOGRAPHIC_EXPOSURE,
+            Film::Photographic => (HIGHLIGHT / highlight).min(PHOTOGRAPHIC_EXPOSURE),
         }
     }
 
@@ -74,13 +81,20 @@ const fn bayer() -> [[u8; 8]; 8] {
 impl Picture {
     /// Tone-maps linear radiance.
     pub(crate) fn from_radiance(width: u32, height: u32, radiance: &[Vec3], film: Film) -> Picture {
+        let mut luminances: Vec<f32> = radiance.iter().map(|&l| luminance(l)).collect();
+        let place = ((1.0 - HIGHLIGHT_SHARE) * luminances.len() as f64) as usize;
+        let highlight = match place < luminances.len() {
+            true => *luminances.select_nth_unstable_by(place, f32::total_cmp).1,
+            false => 0.0,
+        };
+        let exposure = film.exposure(highlight);
         // The square root spreads the dark part of the curve, where it is steepest.
         let curve: Vec<f32> = (0..=CURVE_STEPS)
             .map(|i| i as f64 / CURVE_STEPS as f64)
             .map(|root| (encode_srgb(film.developed(root * root)) * 255.0) as f32)
             .collect();
         let level = |v: f32| {
-            let place = tone_mapped(v * film.exposure()).sqrt() * CURVE_STEPS as f32;
+            let place = tone_mapped(v * exposure).sqrt() * CURVE_STEPS as f32;
             let step = (place as usize).min(CURVE_STEPS - 1);
             curve[step] + (curve[step + 1] - curve[step]) * (place - step as f32)
         };

@@ -1,9 +1,11 @@
-//! Chips that lie about an opened break in a picture.
+//! How the pieces of an opened break lie in a picture, and the chips about them.
 
 use glam::DVec3;
+use greenstick::fracture::recipe::apply_preset;
 use greenstick::geometry::Context;
+use greenstick::skin::finish::{NodeRole, PieceRole};
 use greenstick::skin::view::BreakView;
-use greenstick::{Break, BreakRequest, break_scene, built_in_branch};
+use greenstick::{Break, BreakRequest, Broken, break_scene, built_in_branch};
 
 #[test]
 fn chips_lie_on_the_floor_beside_the_pieces_and_are_of_their_wood() {
@@ -23,7 +25,8 @@ fn chips_lie_on_the_floor_beside_the_pieces_and_are_of_their_wood() {
     let frame = wood.stem.grain.axis().frame(wood.stem.location);
     let (up, middle) = (frame.tangent, frame.origin);
     let level = middle.dot(up) - 0.2;
-    let node = view.chips(&[up * level, up], up, true);
+    let motion = view.opening(&broken.scene, &broken.roles);
+    let node = view.chips(&[up * level, up], up, Some(&motion));
     let mesh = &node.mesh;
     let (closed, volume) = mesh.closed_volume();
     assert!(closed && volume.is_some_and(|v| v > 0.0), "{volume:?}");
@@ -42,4 +45,56 @@ fn chips_lie_on_the_floor_beside_the_pieces_and_are_of_their_wood() {
         assert_eq!(mesh.attributes["_FALLEN"].at(v), [1.0]);
     }
     assert!(high < 0.5 * wood.stem.radius, "{high}");
+}
+
+/// A break with a preset, and how a picture shows it.
+fn with_view(preset: Option<&str>, then: impl Fn(&Broken, &BreakView)) {
+    let mut request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::single(Break::default())
+    };
+    request.breaks[0].separation = 0.01;
+    if let Some(preset) = preset {
+        apply_preset(&mut request.breaks[0].recipe, preset).unwrap();
+    }
+    let broken = break_scene(built_in_branch(), &request, &Context::quiet()).unwrap();
+    let wood = &broken.woods[0];
+    let view = BreakView {
+        stem: &wood.stem,
+        material: wood.material,
+        range: broken.report.face.range_m,
+        width: wood.width,
+        long_side: None,
+    };
+    then(&broken, &view);
+}
+
+#[test]
+fn opened_pieces_lie_clear_of_each_other_with_their_faces_to_the_camera() {
+    for preset in [None, Some("brash"), Some("twist")] {
+        with_view(preset, |broken, view| {
+            let motion = view.opening(&broken.scene, &broken.roles);
+            let scene = view.opened(&broken.scene, &broken.roles, &motion);
+            let piece = |role| {
+                let at = (broken.roles.iter()).position(|&r| r == NodeRole::Piece(role));
+                let node = &scene.nodes[at.unwrap()];
+                node.mesh.transformed(&node.transform)
+            };
+            let [mut both, upper] = [PieceRole::Lower, PieceRole::Upper].map(piece);
+            let first = both.positions.len() as u32;
+            both.positions.extend(&upper.positions);
+            let moved = upper.triangles.iter().map(|t| t.map(|v| v + first));
+            both.triangles.extend(moved);
+            (both.materials.clear(), both.attributes.clear());
+            let crossing = both.check().self_intersections.unwrap().crossing;
+            assert_eq!(crossing, 0, "{preset:?}");
+            // Both faces look towards the camera, which looks down on the floor that both lie on.
+            let sight = view.sight(None);
+            let along = view.stem.grain.axis().frame(view.stem.location).tangent;
+            for face in [along, motion.transform_vector3(-along)] {
+                assert!(face.dot(sight.direction) < -0.4, "{preset:?}: {face}");
+                assert!(face.dot(sight.up).abs() < 1e-9, "{preset:?}: {face}");
+            }
+        });
+    }
 }

@@ -5,17 +5,29 @@ use crate::finish::{NodeRole, PieceRole};
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Node, Scene};
 use greenstick_wood::stem::{Frame, Stem};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Length of stem that is shown behind each face: in radii, and as a part of the face's height.
-const STUB_RADII: f64 = 0.9;
+const STUB_RADII: f64 = 0.5;
 const STUB_HEIGHT: f64 = 0.08;
 /// Ring coordinate from which on the face is near the skin: how far down there it reaches can be seen.
 const OUTER_RING: f64 = 0.85;
 /// Part of the face near the skin that lies higher than the stub's beginning.
 const STUB_QUANTILE: f64 = 0.85;
-/// Distance to which the opened upper piece is moved, in widths of the section.
-const OPENED_DISTANCE: f64 = 1.2;
+/// Ratio of the face's height to the section's width up to which a face is flat, and from which on it is long.
+const FACE_RATIOS: (f64, f64) = (0.3, 2.0);
+/// How far the lower and the upper piece of an opened break are turned towards the camera, rad, where the face is flat and where it
+/// is long: splinters show from the side.
+const LOWER_TURNS: (f64, f64) = (0.95, 0.5);
+const UPPER_TURNS: (f64, f64) = (1.0, 0.85);
+/// How much farther from the camera the upper piece lies, likewise, and the gap between the pieces, in widths of the section.
+const UPPER_AWAY: (f64, f64) = (0.1, 0.9);
+const GAP: f64 = 0.05;
+/// How far behind the location pieces must be clear of each other, in widths of the section, and cells to the width where they are
+/// compared.
+const CLEAR_LENGTH: f64 = 2.0;
+const CLEAR_CELLS: f64 = 16.0;
 /// How steeply an opened break is looked down on, rad.
 const ELEVATION: f64 = 0.5;
 /// Ratio of the sides of a section from which on it is flat.
@@ -216,7 +228,6 @@ impl BreakView<'_> {
         let frame = self.frame();
         let mut up = frame.tangent;
         let (direction, elevation) = match hinge {
-            // Both faces look up, seen along the frame's y: they stand next to each other along its x, which runs to the right.
             None => match self.long_side {
                 // Both lie on their broad sides, with the grain to the right.
                 Some(long) => {
@@ -224,7 +235,11 @@ impl BreakView<'_> {
                     let (sin, cos) = libm::sincos(FLAT_TURN);
                     (long * cos - frame.tangent * sin, FLAT_ELEVATION)
                 }
-                None => (frame.y, ELEVATION),
+                None => {
+                    let lying = self.lying();
+                    up = lying.up;
+                    (lying.away, ELEVATION)
+                }
             },
             // Nearly along the hinge, from the side that opened.
             Some(axis) => {
@@ -240,10 +255,62 @@ impl BreakView<'_> {
         }
     }
 
-    /// Returns a broken scene, whose nodes have these roles, with the upper piece turned over and set beside the lower, both
-    /// faces up, however far they were moved apart. Flat pieces lie on their broad sides, in a line.
-    pub fn opened(&self, broken: &Scene, roles: &[NodeRole]) -> Scene {
-        let about = self.opening() * upper_motion(broken, roles).inverse();
+    /// Returns how both pieces of an opened break lie on the floor, with their faces towards the camera.
+    fn lying(&self) -> Lying {
+        let Frame { tangent, y, .. } = self.frame();
+        let [low, high] = self.range;
+        let ratio = (high - low) / self.width.max(f64::MIN_POSITIVE);
+        let (flat, long) = FACE_RATIOS;
+        let part = ((ratio - flat) / (long - flat)).clamp(0.0, 1.0);
+        let between = |(flat, long): (f64, f64)| flat + (long - flat) * part;
+        let (lower_turn, upper_turn) = (between(LOWER_TURNS), between(UPPER_TURNS));
+        let (sin, cos) = libm::sincos(lower_turn);
+        let away = y.cross(tangent) * cos - tangent * sin;
+        Lying {
+            up: y,
+            away,
+            right: away.cross(y),
+            turn: lower_turn + upper_turn,
+            aside: away * (between(UPPER_AWAY) * self.width),
+        }
+    }
+
+    /// Returns the motion of the upper piece of a broken scene, whose nodes have these roles, from where it grew to where it lies in
+    /// a picture of both faces: beside the lower one, clear of it. That of a flat stem is moved along the grain.
+    pub fn opening(&self, broken: &Scene, roles: &[NodeRole]) -> DAffine3 {
+        let Frame {
+            origin, tangent, ..
+        } = self.frame();
+        let [low, high] = self.range;
+        if self.long_side.is_some() {
+            let away = FLAT_DISTANCE.0 * (high - low) + FLAT_DISTANCE.1 * self.stem.radius;
+            return DAffine3::from_translation(tangent * away);
+        }
+        let lying = self.lying();
+        let turn = DAffine3::from_axis_angle(lying.up, lying.turn);
+        let turned = DAffine3::from_translation(origin + lying.aside)
+            * turn
+            * DAffine3::from_translation(-origin);
+        let grown = upper_motion(broken, roles).inverse();
+        let mut lower = Outline::new(self, &lying);
+        let mut upper = Outline::new(self, &lying);
+        for (node, role) in broken.nodes.iter().zip(roles) {
+            match role {
+                NodeRole::Piece(PieceRole::Lower) => {
+                    lower.add(node, [DAffine3::IDENTITY; 2], 1.0);
+                }
+                NodeRole::Piece(PieceRole::Upper) => upper.add(node, [grown, turned], -1.0),
+                _ => {}
+            }
+        }
+        let gap = GAP * self.width;
+        DAffine3::from_translation(lying.right * (lower.overlap(&upper) + gap)) * turned
+    }
+
+    /// Returns a broken scene, whose nodes have these roles, with the upper piece where a motion from where it grew takes it,
+    /// however far it was moved.
+    pub fn opened(&self, broken: &Scene, roles: &[NodeRole], motion: &DAffine3) -> Scene {
+        let about = *motion * upper_motion(broken, roles).inverse();
         let mut scene = broken.clone();
         for (node, role) in scene.nodes.iter_mut().zip(roles) {
             match role {
@@ -260,25 +327,72 @@ impl BreakView<'_> {
         scene
     }
 
-    /// The middles of the sections of both pieces of the opened break, at the location.
-    pub(super) fn piece_middles(&self) -> [DVec3; 2] {
+    /// The middles of the sections at the location of the lower piece, and of the upper one after a motion.
+    pub(super) fn piece_middles(&self, motion: &DAffine3) -> [DVec3; 2] {
         let middle = self.frame().origin;
-        [middle, self.opening().transform_point3(middle)]
+        [middle, motion.transform_point3(middle)]
+    }
+}
+
+/// How the pieces of an opened break lie in a picture: its directions, by what angle (rad) the upper piece is turned about the
+/// upward one, and how far it lies behind the lower.
+#[derive(Debug, Clone, Copy)]
+struct Lying {
+    up: DVec3,
+    away: DVec3,
+    right: DVec3,
+    turn: f64,
+    aside: DVec3,
+}
+
+/// How far pieces reach to the right, and to the left, in cells of a grid across that direction.
+struct Outline<'a> {
+    view: &'a BreakView<'a>,
+    lying: &'a Lying,
+    reach: BTreeMap<[i64; 2], [f64; 2]>,
+}
+
+impl<'a> Outline<'a> {
+    fn new(view: &'a BreakView<'a>, lying: &'a Lying) -> Self {
+        Outline {
+            view,
+            lying,
+            reach: BTreeMap::new(),
+        }
     }
 
-    /// Returns the map that turns the upper piece over and sets it beside the lower, so that both faces look up; a flat one is moved
-    /// along the grain.
-    fn opening(&self) -> DAffine3 {
-        let frame = self.frame();
-        let [low, high] = self.range;
-        if self.long_side.is_some() {
-            let away = FLAT_DISTANCE.0 * (high - low) + FLAT_DISTANCE.1 * self.stem.radius;
-            return DAffine3::from_translation(frame.tangent * away);
+    /// Adds a node of a piece near the face, moved to where it grew and from there to where it is shown; the piece's face looks along
+    /// the grain or against it, by `sign`.
+    fn add(&mut self, node: &Node, [grown, shown]: [DAffine3; 2], sign: f64) {
+        let Frame {
+            origin, tangent, ..
+        } = self.view.frame();
+        let width = self.view.width;
+        let to_grown = grown * node.transform;
+        for &position in &node.mesh.positions {
+            let at = to_grown.transform_point3(position);
+            if sign * (at - origin).dot(tangent) < -CLEAR_LENGTH * width {
+                continue;
+            }
+            let off = shown.transform_point3(at) - origin;
+            let cell = [self.lying.away, self.lying.up]
+                .map(|axis| (off.dot(axis) * CLEAR_CELLS / width).floor() as i64);
+            let right = off.dot(self.lying.right);
+            let reach = self.reach.entry(cell).or_insert([right; 2]);
+            *reach = [reach[0].min(right), reach[1].max(right)];
         }
-        let centre = frame.origin + frame.tangent * ((low + high) / 2.0);
-        let turn = DAffine3::from_axis_angle(frame.y, std::f64::consts::PI);
-        let aside = frame.x * (OPENED_DISTANCE * self.width);
-        DAffine3::from_translation(centre + aside) * turn * DAffine3::from_translation(-centre)
+    }
+
+    /// Returns how far the other pieces must be moved to the right to be clear of these, m.
+    fn overlap(&self, other: &Outline) -> f64 {
+        let mut most: f64 = f64::NEG_INFINITY;
+        for ([x, y], [_, right]) in &self.reach {
+            let around = (-1..=1).flat_map(|a| (-1..=1).map(move |b| [x + a, y + b]));
+            for [left, _] in around.filter_map(|cell| other.reach.get(&cell)) {
+                most = most.max(right - left);
+            }
+        }
+        if most.is_finite() { most } else { 0.0 }
     }
 }
 

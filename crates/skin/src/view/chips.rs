@@ -37,9 +37,10 @@ const PURPOSE: u64 = 0xc419;
 pub const FALLEN: &str = "_FALLEN";
 
 impl BreakView<'_> {
-    /// Returns chips of the wood inside that lie about both pieces of an opened break, of another about the lower one, on the floor
-    /// through the lowest of the points that the picture shows; none where there are no such points.
-    pub fn chips(&self, shown: &[DVec3], up: DVec3, is_opened: bool) -> Node {
+    /// Returns chips of the wood inside that lie about both pieces of an opened break, whose upper piece had a motion from where it
+    /// grew, of another about the lower one, on the floor through the lowest of the points that the picture shows; none where there
+    /// are no such points.
+    pub fn chips(&self, shown: &[DVec3], up: DVec3, motion: Option<&DAffine3>) -> Node {
         let level = shown
             .iter()
             .map(|p| p.dot(up))
@@ -52,10 +53,11 @@ impl BreakView<'_> {
             grain: Vec::new(),
         };
         let on_floor = |middle: DVec3| middle + up * (level - middle.dot(up));
-        let middles = self.piece_middles().map(on_floor);
+        let middles = self.piece_middles(motion.unwrap_or(&DAffine3::IDENTITY));
+        let middles = middles.map(on_floor);
         let count = if shown.is_empty() { 0 } else { COUNT };
-        for piece in 0..if is_opened { 2 } else { 1 } {
-            let other = is_opened.then_some(middles[1 - piece]);
+        for piece in 0..if motion.is_some() { 2 } else { 1 } {
+            let other = motion.map(|_| middles[1 - piece]);
             for number in 0..count {
                 let random = |k: i64| unit(PURPOSE, piece as i64, number, k);
                 fallen.add(middles[piece], other, random);

@@ -241,22 +241,33 @@ fn is_sawn(stem: &Stem, grain: DVec3, point: &SurfacePoint) -> bool {
 
 /// Returns whether the skin at a point is that of a bore.
 fn in_bore(stem: &Stem, grain: DVec3, point: &SurfacePoint) -> bool {
-    let frame = || {
-        let frame = stem.grain.axis().frame(grain.z);
-        (!point.moved).then_some([frame.x, frame.y, frame.tangent])
+    let outward = point.geometric_normal;
+    let normal = match point.grain_gradients {
+        // The gradients lie in the surface: they map two directions along it.
+        Some(gradients) => {
+            let (first, second) = outward.any_orthonormal_pair();
+            let mapped = [first, second]
+                .map(|along| DVec3::from_array(gradients.map(|gradient| gradient.dot(along))));
+            mapped[0].cross(mapped[1])
+        }
+        None if point.moved => return false,
+        None => {
+            let frame = stem.grain.axis().frame(grain.z);
+            DVec3::from_array([frame.x, frame.y, frame.tangent].map(|d| d.dot(outward)))
+        }
     };
-    let Some(directions) = point.grain_gradients.or_else(frame) else {
-        return false;
-    };
-    let normal = directions.map(|d| d.dot(point.geometric_normal));
-    faces_pith(stem, grain, DVec3::from_array(normal))
+    faces_pith(stem, grain, normal)
 }
 
 /// Returns whether a face of the skin at a point of the grain lies deep in a stem and faces the pith, as in the bore of a tube;
 /// `normal` is in the directions of the grain, of any length.
 pub fn faces_pith(stem: &Stem, grain: DVec3, normal: DVec3) -> bool {
     let across = grain.truncate() - stem.rings.pith();
-    across.length() < BORE_RADII * stem.radius
+    // Beyond a fork the crotches of limbs face the axis too.
+    let ((low, high), ends) = (stem.usable, stem.ends);
+    let is_on_stem = (ends.0 || grain.z >= low) && (ends.1 || grain.z <= high);
+    is_on_stem
+        && across.length() < BORE_RADII * stem.radius
         && across.dot(normal.truncate()) < BORE_COSINE * across.length() * normal.length()
 }
 

@@ -1,7 +1,7 @@
 //! The grain of wood as pictures show it: fine and sharp across, long along, no more than a tint from afar; and what faces show that
 //! bark came off.
 
-use glam::{DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3, EulerRot};
 use greenstick_geometry::Context;
 use greenstick_wood::appearance::{
     BarkAppearance, BarkPoint, StemAppearance, SurfacePoint, WoodAppearance, WoodPoint,
@@ -192,6 +192,48 @@ fn stem_with_bark() -> (greenstick_wood::stem::Stem, StemAppearance) {
     let rings = StemRings::new(wood.usual_rings());
     let look = StemAppearance::new(&found.stem, wood, rings);
     (found.stem, look)
+}
+
+#[test]
+fn skin_that_moved_is_bark_and_that_of_a_bore_is_not() {
+    let (stem, look) = stem_with_bark();
+    let (mut bark, mut bore) = (0.0, 0.0);
+    for i in 0..300 {
+        let angle = f64::from(i) * 0.0211;
+        for (radius, inwards) in [(0.05, 1.0), (0.03, -1.0)] {
+            let grain = (DVec2::from_angle(angle) * radius).extend(0.3 + f64::from(i) * 1e-3);
+            let frame = stem.grain.axis().frame(grain.z);
+            let out = DVec2::from_angle(angle) * inwards;
+            let normal = frame.x * out.x + frame.y * out.y;
+            let grown = SurfacePoint {
+                position: frame.origin + frame.x * grain.x + frame.y * grain.y,
+                normal,
+                geometric_normal: normal,
+                grain: Some(grain),
+                moved: false,
+                grain_gradients: None,
+                footprint: 1e-4,
+            };
+            let along = [frame.x, frame.y, frame.tangent].map(|d| d - normal * normal.dot(d));
+            let turn = DQuat::from_euler(EulerRot::XYZ, 0.7, angle, -1.1);
+            let moved = SurfacePoint {
+                position: turn * grown.position,
+                normal: turn * normal,
+                geometric_normal: turn * normal,
+                moved: true,
+                grain_gradients: Some(along.map(|gradient| turn * gradient)),
+                ..grown
+            };
+            let [a, b] = [grown, moved]
+                .map(|point| DVec3::from_array(look.skin_at(&stem, &point).surface.color));
+            assert!(a.distance(b) < 1e-6, "{a} is not {b} at {grain}");
+            match inwards > 0.0 {
+                true => bark += brightness(b.to_array()),
+                false => bore += brightness(b.to_array()),
+            }
+        }
+    }
+    assert!(bore > 2.0 * bark, "{bore}, {bark}");
 }
 
 #[test]
