@@ -120,43 +120,61 @@ pub(crate) fn farthest_crossings(outline: &[DVec2], from: DVec2, count: usize) -
     best
 }
 
-/// The points that may be corners of the convex hull: those outside a polygon of extreme points that is made a little
-/// smaller (Akl and Toussaint 1978, A Fast Convex Hull Algorithm).
-fn outer_points(points: &[DVec2]) -> Vec<DVec2> {
-    /// Fewer points are sorted as fast as they are looked through.
-    const MIN_POINTS: usize = 1000;
-    /// Size of the polygon, so that no point near the hull is lost to rounding.
-    const SHRINKAGE: f64 = 0.95;
-    if points.len() < MIN_POINTS {
-        return points.to_vec();
+/// Directions in which the outermost of many points are known, in rising angle.
+const DIRECTIONS: [DVec2; 8] = [
+    DVec2::new(1.0, 0.0),
+    DVec2::new(1.0, 1.0),
+    DVec2::new(0.0, 1.0),
+    DVec2::new(-1.0, 1.0),
+    DVec2::new(-1.0, 0.0),
+    DVec2::new(-1.0, -1.0),
+    DVec2::new(0.0, -1.0),
+    DVec2::new(1.0, -1.0),
+];
+
+/// The outermost of points, in a few directions.
+pub(crate) struct Outermost([DVec2; 8]);
+
+impl Outermost {
+    /// The outermost of one point.
+    pub fn of(point: DVec2) -> Self {
+        Outermost([point; 8])
     }
-    let directions = [
-        (1.0, 0.0),
-        (1.0, 1.0),
-        (0.0, 1.0),
-        (-1.0, 1.0),
-        (-1.0, 0.0),
-        (-1.0, -1.0),
-        (0.0, -1.0),
-        (1.0, -1.0),
-    ]
-    .map(DVec2::from);
-    let mut extremes = [points[0]; 8];
-    for &p in points {
-        for (extreme, direction) in extremes.iter_mut().zip(&directions) {
-            if p.dot(*direction) > extreme.dot(*direction) {
-                *extreme = p;
+
+    pub fn add(&mut self, p: DVec2) {
+        for (outermost, direction) in self.0.iter_mut().zip(DIRECTIONS) {
+            if p.dot(direction) > outermost.dot(direction) {
+                *outermost = p;
             }
         }
     }
-    let middle = extremes.iter().sum::<DVec2>() / 8.0;
-    let polygon = extremes.map(|p| middle + (p - middle) * SHRINKAGE);
-    let is_inside = |p: DVec2| {
-        (0..8).all(|k| {
-            let (a, b) = (polygon[k], polygon[(k + 1) % 8]);
-            a == b || (b - a).perp_dot(p - a) > 0.0
-        })
-    };
+
+    /// A test of points of which those that pass are no corners of the convex hull: they lie within the polygon of the outermost,
+    /// made a little smaller (Akl and Toussaint 1978, A Fast Convex Hull Algorithm).
+    pub fn interior(&self) -> impl Fn(DVec2) -> bool + use<> {
+        /// Size of the polygon, so that no point near the hull is lost to rounding.
+        const SHRINKAGE: f64 = 0.95;
+        let middle = self.0.iter().sum::<DVec2>() / 8.0;
+        let polygon = self.0.map(|p| middle + (p - middle) * SHRINKAGE);
+        move |p| {
+            (0..8).all(|k| {
+                let (a, b) = (polygon[k], polygon[(k + 1) % 8]);
+                a == b || (b - a).perp_dot(p - a) > 0.0
+            })
+        }
+    }
+}
+
+/// The points that may be corners of the convex hull.
+fn outer_points(points: &[DVec2]) -> Vec<DVec2> {
+    /// Fewer points are sorted as fast as they are looked through.
+    const MIN_POINTS: usize = 1000;
+    if points.len() < MIN_POINTS {
+        return points.to_vec();
+    }
+    let mut outermost = Outermost::of(points[0]);
+    points.iter().for_each(|&p| outermost.add(p));
+    let is_inside = outermost.interior();
     points.iter().copied().filter(|&p| !is_inside(p)).collect()
 }
 

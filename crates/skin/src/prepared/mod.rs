@@ -162,6 +162,7 @@ impl PreparedStem {
         let mut mesh = Arc::unwrap_or_clone(mesh);
         context.check()?;
         let (points, count) = mesh.points();
+        context.check()?;
         let grain = grain_of_limb(
             &mesh,
             (&points, count),
@@ -194,6 +195,7 @@ impl PreparedStem {
         } = splitter;
         let corner = |t: &[u32; 3]| t.map(|v| points[v as usize]);
         let corners: Vec<[u32; 3]> = mesh.triangles.iter().map(corner).collect();
+        context.check()?;
         let solid = Solid {
             triangles: &corners,
             points: &grain,

@@ -109,7 +109,7 @@ fn course_of_shell(
 ) -> Result<Option<(Course, f64)>, Cancelled> {
     if kind.is_none_or(|kind| kind == StemKind::Board) {
         let accepted = |p: &Plank| kind == Some(StemKind::Board) || is_board(surface, p);
-        if let Some(plank) = Plank::around(surface).filter(accepted) {
+        if let Some(plank) = Plank::around(surface, context)?.filter(accepted) {
             return Ok(Some((Course::Board(plank), plank.size.iter().product())));
         }
     }

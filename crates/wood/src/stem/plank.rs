@@ -3,8 +3,12 @@
 use super::principal::PrincipalAxes;
 use super::section::{across, section};
 use super::surface::Surface;
-use crate::polygon;
+use crate::polygon::{self, Outermost};
 use glam::{DVec2, DVec3};
+use greenstick_geometry::{Cancelled, Context};
+
+/// Triangles after which the caller may stop.
+const CHECK_INTERVAL: usize = 1 << 16;
 
 /// The box of a straight piece of sawn wood.
 #[derive(Debug, Clone, Copy)]
@@ -21,35 +25,50 @@ pub(crate) struct Plank {
 
 impl Plank {
     /// The smallest box about a shell whose shortest side is that of its spread.
-    pub fn around(surface: &Surface) -> Option<Self> {
+    pub fn around(surface: &Surface, context: &Context) -> Result<Option<Self>, Cancelled> {
         let axes = PrincipalAxes::new(surface);
         let (mean, [_, _, thin]) = (axes.centroid, axes.directions);
         let (x, y) = across(thin);
-        let mut flat = Vec::with_capacity(3 * surface.len());
+        let flat = |p: DVec3| DVec2::new(p.dot(x), p.dot(y));
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut outermost = Outermost::of(DVec2::ZERO);
         for i in 0..surface.len() {
+            if i % CHECK_INTERVAL == 0 {
+                context.check()?;
+            }
             for p in surface.corners(i).map(|p| p - mean) {
-                flat.push(DVec2::new(p.dot(x), p.dot(y)));
+                outermost.add(flat(p));
                 (low, high) = (low.min(p.dot(thin)), high.max(p.dot(thin)));
             }
         }
-        let r = polygon::smallest_rectangle(&flat)?;
-        let direction = x * r.wide.x + y * r.wide.y;
-        let middle = mean + x * r.centre.x + y * r.centre.y + thin * (0.5 * (low + high));
-        let other = thin.cross(direction);
-        let thickness = high - low;
-        let (wide, width, thickness) = if r.thickness >= thickness {
-            (other, r.thickness, thickness)
-        } else {
-            (thin, thickness, r.thickness)
-        };
-        let end = middle - direction * (0.5 * r.width);
-        Some(Plank {
-            end,
-            direction,
-            wide,
-            size: [r.width, width, thickness],
-        })
+        let is_inside = outermost.interior();
+        let mut outer = Vec::new();
+        for i in 0..surface.len() {
+            if i % CHECK_INTERVAL == 0 {
+                context.check()?;
+            }
+            let corners = surface.corners(i).map(|p| flat(p - mean));
+            outer.extend(corners.into_iter().filter(|&p| !is_inside(p)));
+        }
+        context.check()?;
+        Ok(polygon::smallest_rectangle(&outer).map(|r| {
+            let direction = x * r.wide.x + y * r.wide.y;
+            let middle = mean + x * r.centre.x + y * r.centre.y + thin * (0.5 * (low + high));
+            let other = thin.cross(direction);
+            let thickness = high - low;
+            let (wide, width, thickness) = if r.thickness >= thickness {
+                (other, r.thickness, thickness)
+            } else {
+                (thin, thickness, r.thickness)
+            };
+            let end = middle - direction * (0.5 * r.width);
+            Plank {
+                end,
+                direction,
+                wide,
+                size: [r.width, width, thickness],
+            }
+        }))
     }
 }
 
