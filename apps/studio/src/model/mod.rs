@@ -24,6 +24,8 @@ pub mod placed_cracks;
 pub mod project;
 pub mod project_file;
 pub mod randomise;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod recording;
 pub mod rings;
 pub mod section;
 pub mod section_book;

@@ -242,14 +242,31 @@ impl Studio {
                     }
                 }
                 MouseWheelUnit::Point => {}
-                _ => self.camera.zoom(NOTCH.powf(delta.y), at, aspect),
+                _ => {
+                    self.look_at_pointed(rect, response);
+                    self.camera.zoom(NOTCH.powf(delta.y), at, aspect);
+                }
             }
         }
         if pinch != 1.0 {
+            self.look_at_pointed(rect, response);
             self.camera.zoom(1.0 / pinch, at, aspect);
             moved = true;
         }
         moved
+    }
+
+    /// Moves what the camera turns about and comes near to, to the depth of what is under the pointer; the picture stays as it is.
+    fn look_at_pointed(&mut self, rect: Rect, response: &egui::Response) {
+        let drawn = match &self.simulation {
+            Some(simulation) => &simulation.drawn,
+            None => &self.drawn,
+        };
+        let pointed = response.hover_pos().zip(drawn.as_ref());
+        let pointed = pointed.and_then(|(pos, drawn)| pick(&drawn.1, self.ray_at(rect, pos), None));
+        if let Some(pointed) = pointed {
+            self.camera.look_at_depth_of(pointed.position);
+        }
     }
 
     fn paint(&mut self, ui: &Ui, rect: Rect, moving: bool) {

@@ -61,6 +61,7 @@ struct Surface {
 @group(2) @binding(1) var base_texture: texture_2d<f32>;
 @group(2) @binding(2) var base_sampler: sampler;
 @group(2) @binding(3) var relief_texture: texture_2d<f32>;
+@group(2) @binding(4) var relief_sampler: sampler;
 
 struct VertexIn {
     @location(0) position: vec3<f32>,
@@ -832,7 +833,7 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
     let dg2 = dpdy(v.grain.xyz);
     let texel = base_texel(v.uv);
     let relief_place = texture_place(v.uv, surface.relief.xy, surface.relief_map);
-    let relief = textureSample(relief_texture, base_sampler, relief_place).xyz;
+    let relief = textureSample(relief_texture, relief_sampler, relief_place).xyz;
     let dt1 = dpdx(relief_place);
     let dt2 = dpdy(relief_place);
     // Seen where the texture is; where it has none, everywhere.
