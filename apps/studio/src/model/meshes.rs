@@ -300,6 +300,11 @@ impl DrawnScene {
         self.piece_at(f32::INFINITY)
     }
 
+    /// The number of the piece at the base.
+    pub fn first_piece(&self) -> Option<usize> {
+        self.piece_at(f32::NEG_INFINITY)
+    }
+
     /// The number of the piece below a break.
     pub fn piece_below(&self, number: usize) -> Option<usize> {
         self.piece_at(self.breaks.get(number)?.length)

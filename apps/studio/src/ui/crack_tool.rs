@@ -1,6 +1,7 @@
 //! What the tool that places drying cracks holds.
 
 use crate::model::placed_cracks::{CrackEndPoint, CrackFace, Polar};
+use greenstick::fracture::parameters::CrackEnd;
 use std::sync::Arc;
 
 /// What the pointer holds.
@@ -20,10 +21,10 @@ pub struct CrackTool {
     pub on: bool,
     pub(super) selected: Option<usize>,
     pub(super) held: Option<Held>,
-    /// Whether the first crack is being placed at the sawn end.
-    pub(super) at_end: bool,
-    /// The sawn end, by the number of what is drawn and the break.
-    pub(super) end: Option<(u64, usize, Option<Arc<CrackFace>>)>,
+    /// Where the first crack is being placed.
+    pub(super) at: Option<CrackEnd>,
+    /// The ends at the base and at the tip, by the number of what is drawn and the break.
+    pub(super) ends: [Option<(u64, usize, Option<Arc<CrackFace>>)>; 2],
     /// The face that cracks are drawn on, by the number of what is drawn and the break.
     pub(super) face: Option<(u64, usize, Option<Arc<CrackFace>>)>,
 }

@@ -275,7 +275,7 @@ fn lengths_are_shown_in_the_unit_that_was_chosen() {
     let mut harness = studio(&folder, None);
     settle(&mut harness);
     let shown = |harness: &Harness<'_, Studio>| {
-        let fields = harness.get_all_by_role_and_label(Role::SpinButton, "Diameter");
+        let fields = harness.get_all_by_role_and_label(Role::SpinButton, "Noise diameter");
         fields
             .filter_map(|f| f.value())
             .collect::<Vec<_>>()
@@ -408,10 +408,11 @@ fn the_wheel_goes_nearer_to_what_is_under_the_pointer_and_never_past_it() {
     harness.key_press(Key::Home);
     harness.run_steps(2);
     // The sawn end is far from the middle of the picture, and nearer to the eye.
-    let end = |harness: &mut Harness<'static, Studio>| harness.state_mut().end_place_at(0.4, 0.5);
+    let end =
+        |harness: &mut Harness<'static, Studio>| harness.state_mut().end_place_at(true, 0.4, 0.5);
     let at = end(&mut harness).unwrap();
     let other = |harness: &mut Harness<'static, Studio>| {
-        harness.state_mut().end_place_at(0.4, 3.6).unwrap()
+        harness.state_mut().end_place_at(true, 0.4, 3.6).unwrap()
     };
     let before = at.distance(other(&mut harness));
     harness.hover_at(at);
