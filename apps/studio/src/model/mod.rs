@@ -14,6 +14,7 @@ pub mod held;
 pub mod history;
 pub mod holds;
 pub mod input;
+mod limbs;
 pub mod link;
 pub mod look;
 pub mod materials;

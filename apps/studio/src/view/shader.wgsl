@@ -886,11 +886,18 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
                 look.slope *= 0.25;
             }
         } else if (is_skin) {
-            // Off the stem, as in the pictures: about the vertical, as far out as the stem is thick.
-            let out = normal.xz / max(length(normal.xz), 1e-6);
-            var place = vec3<f32>(out * wood.edges.x, v.position.y);
-            if (on_stem) { place = vec3<f32>(across, v.grain.z); }
-            look = bark_at(place, footprint);
+            if (on_stem) {
+                look = bark_at(vec3<f32>(across, v.grain.z), footprint);
+            } else if (v.grain.w > 0.0) {
+                // Along the limb, whose bark is finer: the relief is as much shallower.
+                let finer = 0.4 / v.grain.w;
+                look = bark_at(v.grain.xyz, footprint * finer);
+                look.slope /= finer;
+            } else {
+                // What has too many points for that: about the vertical, as far out as the stem is thick.
+                let out = normal.xz / max(length(normal.xz), 1e-6);
+                look = bark_at(vec3<f32>(out * wood.edges.x, v.position.y), footprint);
+            }
         } else {
             metal = surface.kind.x;
             if (surface.kind.w > 0.5) { look.color *= texel.rgb; }
