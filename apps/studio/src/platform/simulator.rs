@@ -160,7 +160,7 @@ impl Simulator {
         working.begin();
         let teller = self.teller();
         std::thread::spawn(move || {
-            let outcome = work(job, before, &shared, &teller);
+            let outcome = work((job, before), &shared, &teller);
             working.end();
             if let Err(failure) = outcome {
                 teller.tell(News::Ended(Err(failure)));
@@ -364,10 +364,15 @@ impl Shared {
     }
 }
 
+/// What the run of a scene (with the hand) begins with: the one before as far as it is the same, or nothing.
+fn begun_before(before: Option<KeptRun>, job: &SimulationJob, setting: &Setting) -> Recording {
+    let begun = before.and_then(|before| before.branch(job, setting));
+    begun.unwrap_or_default()
+}
+
 /// Runs a scene, or reads a run, and makes wood of it.
 fn work(
-    job: SimulationJob,
-    before: Option<KeptRun>,
+    (job, before): (SimulationJob, Option<KeptRun>),
     shared: &Shared,
     teller: &Teller,
 ) -> Result<(), Failure> {
@@ -418,15 +423,10 @@ fn work(
                 input,
                 bodies: bodies.map_err(Failure::new)?,
             };
-            let next = with_hand(&setting, hand.as_ref());
-            let begun = before.and_then(|before| before.branch(&job, &next));
-            let is_begun = begun.is_some();
-            let recording = begun.unwrap_or_default();
+            let recording = begun_before(before, &job, &with_hand(&setting, hand.as_ref()));
             let source: Arc<dyn RunSource> = Arc::new(recording.clone());
             artist_of(&source, &meshes);
-            if is_begun {
-                teller.tell(News::Recorded(recorded(&recording)));
-            }
+            teller.tell(News::Recorded(recorded(&recording)));
             let scene = (&setting, hand, &meshes);
             let outcome = shared.run(&job, scene, &recording, teller, &running)?;
             teller.tell(News::Recorded(recorded(&recording)));

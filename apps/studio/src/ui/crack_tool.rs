@@ -14,6 +14,9 @@ pub(super) enum Held {
     Part(usize, CrackEndPoint, f32),
 }
 
+/// A face, by the number of what is drawn and the break; none where there is no such face.
+pub(super) type KnownFace = (u64, usize, Option<Arc<CrackFace>>);
+
 /// The tool that places cracks.
 #[derive(Default)]
 pub struct CrackTool {
@@ -24,7 +27,7 @@ pub struct CrackTool {
     /// Where the first crack is being placed.
     pub(super) at: Option<CrackEnd>,
     /// The ends at the base and at the tip, by the number of what is drawn and the break.
-    pub(super) ends: [Option<(u64, usize, Option<Arc<CrackFace>>)>; 2],
+    pub(super) ends: [Option<KnownFace>; 2],
     /// The face that cracks are drawn on, by the number of what is drawn and the break.
-    pub(super) face: Option<(u64, usize, Option<Arc<CrackFace>>)>,
+    pub(super) face: Option<KnownFace>,
 }
