@@ -311,7 +311,7 @@ fn break_hint(error: &greenstick::Error) -> Option<String> {
         Error::Cut { .. } => "`greenstick check FILE` lists where a mesh is open or not a manifold; another --at may work"
             .to_owned(),
         Error::Crack(CrackError::TooShort { .. }) => {
-            "a smaller --at breaks nearer to the base; --set crack_groups.end=break cracks the break itself".to_owned()
+            "another --at breaks farther from that end; --set crack_groups.end=break cracks the break itself".to_owned()
         }
         _ => return None,
     };

@@ -34,6 +34,8 @@ pub struct CrackFace {
     place: Vec3,
     /// Size of the section here over that in grain coordinates.
     scale: f32,
+    /// 1 where the face looks along the stem, −1 where it looks back to its base, as the end there does.
+    sign: f32,
     look: WoodLook,
     /// Half the side of the map, m.
     half: f32,
@@ -55,54 +57,60 @@ impl CrackFace {
             at,
             place,
             scale: 1.0,
+            sign: 1.0,
             look,
             half: MAP_HALF * at.radius,
             heights,
         })
     }
 
-    /// The end of the stem beyond the last break, which is the far one, as the wood there lies; none where there is no break. Where it
-    /// is no flat face, it is a plane across the stem where that is sawn off before it cracks, or near there.
-    pub fn end(scene: &DrawnScene, number: usize) -> Option<Self> {
+    /// An end of the stem, the far one, beyond the last break, or that at the base, as the wood there lies; none where there is no break.
+    /// Where it is no flat face, it is a plane across the stem where that is sawn off before it cracks, or near there.
+    pub fn end(scene: &DrawnScene, number: usize, far: bool) -> Option<Self> {
         let (at, look) = (*scene.breaks.get(number)?, scene.woods.get(number)?.clone());
-        let piece = scene.last_piece()? as f32;
+        let (piece, sign) = match far {
+            true => (scene.last_piece()?, 1.0),
+            false => (scene.first_piece()?, -1.0),
+        };
+        let piece = piece as f32;
         let of_piece = |v: &&Vertex| v.zone_piece[1] == piece && v.grain[3] > 0.5;
         let vertices = || scene.vertices.iter().filter(of_piece);
         let outmost = vertices()
-            .map(|v| v.grain[2])
+            .map(|v| sign * v.grain[2])
             .fold(f32::NEG_INFINITY, f32::max);
         // Only what was broken here has the coordinates of this wood.
-        if outmost <= at.length {
+        if outmost <= sign * at.length {
             return None;
         }
         let zone = outmost - END_ZONE * at.radius;
-        let near: Vec<&Vertex> = vertices().filter(|v| v.grain[2] > zone).collect();
-        let frame = affine_of(&near, Vec3::new(0.0, 0.0, outmost))?;
-        let end = flat_end(scene, piece, outmost, at.radius);
+        let near: Vec<&Vertex> = vertices().filter(|v| sign * v.grain[2] > zone).collect();
+        let frame = affine_of(&near, sign, Vec3::new(0.0, 0.0, outmost))?;
+        let end = flat_end(scene, (piece, sign), outmost, at.radius);
         let [level, slope_x, slope_y] = end.unwrap_or([outmost - SAWN_OFF * at.radius, 0.0, 0.0]);
-        let [x, y, along] = [Vec3::X, Vec3::Y, Vec3::Z].map(|v| frame.transform_vector3(v));
+        let [x, y, outwards] = [Vec3::X, Vec3::Y, Vec3::Z].map(|v| frame.transform_vector3(v));
         let scale = 0.5 * (x.length() + y.length());
         let half = MAP_HALF * at.radius;
         let across = |i: usize| half * ((i as f32 + 0.5) / CELLS as f32 * 2.0 - 1.0);
         let height = |cell: usize| slope_x * across(cell % CELLS) + slope_y * across(cell / CELLS);
         Some(CrackFace {
             at: DrawnBreak {
-                along: along.normalize_or_zero(),
+                along: outwards.normalize_or_zero(),
                 across: [x, y].map(Vec3::normalize_or_zero),
-                length: level,
+                length: sign * level,
                 ..at
             },
             place: frame.transform_point3(Vec3::new(0.0, 0.0, level - outmost)),
             scale,
+            sign,
             look,
             half,
             heights: (0..CELLS * CELLS).map(height).collect(),
         })
     }
 
-    /// Length along the grain (m) from which heights are counted.
-    pub fn length(&self) -> f32 {
-        self.at.length
+    /// How high a length along the grain (m) lies over the plane from which heights are counted, to where the face looks, m.
+    pub fn height_of(&self, length: f32) -> f32 {
+        self.sign * (length - self.at.length)
     }
 
     /// Radius of the stem, m.
@@ -110,7 +118,7 @@ impl CrackFace {
         self.at.radius
     }
 
-    /// The direction of the stem.
+    /// The direction to which the face looks, along the stem.
     pub fn along(&self) -> Vec3 {
         self.at.along
     }
@@ -224,11 +232,16 @@ impl CrackFace {
     }
 }
 
-/// How the wood about an end lies in the picture: the affine map that its vertices follow best, from grain coordinates about `origin`.
-/// None where they lie in a plane.
-fn affine_of(vertices: &[&Vertex], origin: Vec3) -> Option<Affine3A> {
+/// Grain coordinates with lengths counted to where an end looks.
+fn outwards(v: &Vertex, sign: f32) -> Vec3 {
+    Vec3::new(v.grain[0], v.grain[1], sign * v.grain[2])
+}
+
+/// How the wood about an end lies in the picture: the affine map that its vertices follow best, from grain coordinates about `origin`,
+/// with lengths counted to where the end looks. None where they lie in a plane.
+fn affine_of(vertices: &[&Vertex], sign: f32, origin: Vec3) -> Option<Affine3A> {
     let count = vertices.len().max(1) as f64;
-    let grain = |v: &Vertex| (Vec3::from_slice(&v.grain) - origin).as_dvec3();
+    let grain = |v: &Vertex| (outwards(v, sign) - origin).as_dvec3();
     let place = |v: &Vertex| Vec3::from_array(v.position).as_dvec3();
     let mean = vertices.iter().map(|v| grain(v)).sum::<DVec3>() / count;
     let middle = vertices.iter().map(|v| place(v)).sum::<DVec3>() / count;
@@ -251,21 +264,27 @@ fn affine_of(vertices: &[&Vertex], origin: Vec3) -> Option<Affine3A> {
     ))
 }
 
-/// The flat face at the end of a piece: its length along the grain on the axis, and its rise along x and y. None where too little of the
-/// section is one.
-fn flat_end(scene: &DrawnScene, piece: f32, outmost: f32, radius: f32) -> Option<[f32; 3]> {
+/// The flat face at the end of a piece: its length on the axis, counted to where the end looks, and its rise along x and y. None where
+/// too little of the section is one.
+fn flat_end(
+    scene: &DrawnScene,
+    (piece, sign): (f32, f32),
+    outmost: f32,
+    radius: f32,
+) -> Option<[f32; 3]> {
     let (mut area, mut sum, mut tilt) = (0.0, 0.0, Vec2::ZERO);
     for corners in scene.indices.as_chunks::<3>().0 {
         let v = corners.map(|i| &scene.vertices[i as usize]);
         let is_end = |v: &&Vertex| {
-            let depth = outmost - v.grain[2];
+            let depth = outmost - sign * v.grain[2];
             v.zone_piece[1] == piece && v.grain[3] > 0.5 && depth < END_ZONE * radius
         };
         if !v.iter().all(is_end) {
             continue;
         }
-        let [a, b, c] = v.map(|v| Vec3::from_slice(&v.grain));
-        let normal = (b - a).cross(c - a);
+        let [a, b, c] = v.map(|v| outwards(v, sign));
+        // Where lengths count the other way, corners go round the other way.
+        let normal = (b - a).cross(c - a) * sign;
         if normal.z <= FACING * normal.length() {
             continue;
         }

@@ -198,7 +198,9 @@ impl Surroundings {
         for batch in &drawn.batches {
             let range = batch.first as usize..(batch.first + batch.count) as usize;
             for t in drawn.indices[range].as_chunks::<3>().0 {
-                match pieces[t[0] as usize] {
+                // What lies between the stem and its limbs may have vertices after those of the nodes, though not three.
+                let piece = t.iter().find_map(|&v| pieces.get(v as usize));
+                match piece.copied().flatten() {
                     Some(piece) if piece == above => {}
                     Some(piece) if piece == below && is_last => {}
                     Some(piece) if piece == below => triangles.push((batch.material, *t)),
@@ -298,6 +300,7 @@ impl Surroundings {
             });
             out.indices.extend(corners);
         }
+        out.place_limbs();
         Some(out)
     }
 }

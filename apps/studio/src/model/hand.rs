@@ -6,9 +6,7 @@
 //! end of a cantilever turns under a force there: by one and a half times the deflection over the length (Timoshenko and Goodier,
 //! *Theory of Elasticity*, § 21).
 
-use super::holds::{Hold, HoldPart};
-#[cfg(not(target_arch = "wasm32"))]
-use super::holds::{Moved, Steered};
+use super::holds::{Hold, HoldPart, Moved, Steered};
 #[cfg(not(target_arch = "wasm32"))]
 use greenstick::fibre::scene::{
     ClampKeys, HeldAxes, KeyFrame, Scene as Setting, SolverChoice, StemChoice,
@@ -237,12 +235,34 @@ fn frames_of(from: [f64; 3], to: [f64; 3], lever: f64, whole: u32) -> u32 {
 /// A hand on a scene without it that is steered from the first of its frames on which is not before `time` (s) to another place.
 #[cfg(not(target_arch = "wasm32"))]
 pub fn steered(setting: &Setting, hand: &Moved, time: f64, by: [f64; 3]) -> Moved {
-    let way = hand_way(setting, hand);
+    steered_on_way(&hand_way(setting, hand), hand, time, by)
+}
+
+/// The frame of a hand's way that is the first not before a time, s.
+fn frame_of(way: &[HandPlace], time: f64) -> u32 {
     let frame = way.partition_point(|place| place.0 < time);
-    let frame = frame.min(way.len() - 1) as u32;
+    frame.min(way.len().saturating_sub(1)) as u32
+}
+
+/// Where a hand that moves on a way was to pull to at a time, s.
+pub fn pulled_to(way: &[HandPlace], hand: &Moved, time: f64) -> [f64; 3] {
+    let frame = frame_of(way, time);
+    let given_up = hand.before.iter().find(|s| s.frame > frame);
+    given_up.map_or(hand.by, |s| s.by)
+}
+
+/// A hand that moves on a way, and is steered from the first of its frames on which is not before `time` (s) to another place.
+/// Where it was steered later is forgotten.
+pub fn steered_on_way(way: &[HandPlace], hand: &Moved, time: f64, by: [f64; 3]) -> Moved {
+    let frame = frame_of(way, time);
+    let given_up = pulled_to(way, hand, time);
     let mut next = hand.clone();
+    next.before.retain(|s| s.frame <= frame && frame > 0);
     if frame > 0 && next.before.last().is_none_or(|s| s.frame < frame) {
-        next.before.push(Steered { frame, by: hand.by });
+        next.before.push(Steered {
+            frame,
+            by: given_up,
+        });
     }
     next.by = by;
     next
@@ -319,7 +339,25 @@ mod tests {
         assert_eq!(Setting::read(&text).unwrap(), scene);
         // Twice in one frame it is steered once.
         let again = steered(&setting, &next, old[10].0, [0.0, 0.0, 0.1]);
-        assert_eq!((again.before, again.by), (next.before, [0.0, 0.0, 0.1]));
+        assert_eq!((&again.before, again.by), (&next.before, [0.0, 0.0, 0.1]));
+        // Back among what has been, it is steered away from where it was to pull to then, and all later steering is forgotten.
+        assert_eq!(pulled_to(&rests, &last, old[12].0), next.by);
+        assert_eq!(pulled_to(&rests, &last, old[4].0), first.by);
+        let back = steered(&setting, &last, old[4].0, [0.0, 0.2, 0.0]);
+        assert_eq!(back.before.len(), 1);
+        assert_eq!((back.before[0].frame, back.before[0].by), (4, first.by));
+        assert_eq!(hand_way(&setting, &back)[..=4], old[..=4]);
+        // After the end it goes on from there.
+        let end = steered(&setting, &next, 9.0, [0.0; 3]);
+        let longer = hand_way(&setting, &end);
+        assert_eq!(longer[..way.len()], way[..]);
+        assert!(longer.len() > way.len() && longer.last().unwrap().1 == [0.0; 3]);
+        // From the first frame on it is another pull.
+        assert!(
+            steered(&setting, &last, 0.0, [0.0, 0.1, 0.0])
+                .before
+                .is_empty()
+        );
     }
 
     #[test]

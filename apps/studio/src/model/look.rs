@@ -205,6 +205,11 @@ impl WoodLook {
         [n.edges[1], n.edges[3], n.rings[0]]
     }
 
+    /// Radius of the stem, m.
+    pub fn stem_radius(&self) -> f32 {
+        self.numbers.edges[0]
+    }
+
     /// Part of a ring's width before its latewood.
     pub fn earlywood(&self) -> f32 {
         1.0 - self.numbers.rings[2].clamp(0.02, 1.0)

@@ -20,6 +20,33 @@ pub struct Texture {
     pub turn: f32,
     /// By how much a relief tilts normals.
     pub strength: f32,
+    /// How coordinates beyond 0 to 1 are read, across and down.
+    pub wraps: [Wrap; 2],
+}
+
+/// How coordinates of a texture beyond 0 to 1 are read (glTF 2.0, §3.8.4.5).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Wrap {
+    /// The image is repeated.
+    Repeat,
+    /// Its edge goes on.
+    ClampToEdge,
+    /// It is repeated, and every other one is mirrored.
+    MirroredRepeat,
+}
+
+impl Wrap {
+    /// All of them.
+    pub const ALL: [Wrap; 3] = [Wrap::Repeat, Wrap::ClampToEdge, Wrap::MirroredRepeat];
+
+    /// That of a sampler's code.
+    fn of(code: Option<u32>) -> Self {
+        match code {
+            Some(33_071) => Wrap::ClampToEdge,
+            Some(33_648) => Wrap::MirroredRepeat,
+            _ => Wrap::Repeat,
+        }
+    }
 }
 
 /// What opacity means, as glTF 2.0 (§3.9.4) has it.
@@ -77,12 +104,15 @@ impl<'a> Images<'a> {
             drawn.push(known.clone());
             Some(drawn.len() - 1)
         });
+        let [_, _, across, down] = (scene.textures.get(reference.texture))?.sampler;
+        let wraps = [across, down].map(Wrap::of);
         let (offset, turn, scale) = reference.transform.unwrap_or(([0.0; 2], 0.0, [1.0; 2]));
         Some(Texture {
             image: found?,
             map: [scale[0], scale[1], offset[0], offset[1]],
             turn,
             strength: reference.strength,
+            wraps,
         })
     }
 }

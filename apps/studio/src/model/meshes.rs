@@ -227,6 +227,7 @@ impl DrawnScene {
         let woods: Vec<u32> = broken.woods.iter().map(|w| w.material).collect();
         out.add_batches(scene, &woods, by_material, decoded);
         out.breaks = breaks(broken, out.middle);
+        out.place_limbs();
         out
     }
 
@@ -248,6 +249,7 @@ impl DrawnScene {
             out.push(node, 0.0, &mut by_material);
         }
         out.add_batches(scene, &[], by_material, &mut DecodedImages::new());
+        out.place_limbs();
         out
     }
 
@@ -280,6 +282,7 @@ impl DrawnScene {
         }
         let materials: Vec<u32> = woods.iter().map(|w| w.0).collect();
         out.add_batches(scene, &materials, by_material, decoded);
+        out.place_limbs();
         out
     }
 
@@ -298,6 +301,11 @@ impl DrawnScene {
     /// The number of the piece at the stem's far end.
     pub fn last_piece(&self) -> Option<usize> {
         self.piece_at(f32::INFINITY)
+    }
+
+    /// The number of the piece at the base.
+    pub fn first_piece(&self) -> Option<usize> {
+        self.piece_at(f32::NEG_INFINITY)
     }
 
     /// The number of the piece below a break.

@@ -14,6 +14,7 @@ pub mod held;
 pub mod history;
 pub mod holds;
 pub mod input;
+mod limbs;
 pub mod link;
 pub mod look;
 pub mod materials;
@@ -24,6 +25,8 @@ pub mod placed_cracks;
 pub mod project;
 pub mod project_file;
 pub mod randomise;
+#[cfg(not(target_arch = "wasm32"))]
+pub mod recording;
 pub mod rings;
 pub mod section;
 pub mod section_book;

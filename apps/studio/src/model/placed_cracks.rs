@@ -182,11 +182,6 @@ impl Project {
         (!cracks.is_empty()).then_some(cracks.settings.end)
     }
 
-    /// Whether its cracks are in the sawn end of the stem, not in the broken face.
-    pub fn cracks_are_sawn(&self) -> bool {
-        self.crack_end() == Some(CrackEnd::Sawn)
-    }
-
     /// Changes the placed cracks of the selected break, or of all.
     ///
     /// # Errors

@@ -2,6 +2,7 @@
 
 use super::engine::Failure;
 use super::input::{Input, InputContent};
+use super::recording::Recording;
 use super::simulation::{Chart, Line, Outcome, Recorded, SceneEntry, Taken};
 use greenstick::ErrorKind;
 use greenstick::fibre::scene::{BUILT_IN, Scene as Setting, StemChoice, UpChoice};
@@ -14,8 +15,8 @@ use greenstick::formats::{Format, InputFormat, LengthUnit, read_content};
 use greenstick::geometry::Context;
 use greenstick::geometry::mesh::NO_MATERIAL;
 use greenstick::simulate::{
-    MemoryRun, RunError, RunSink, RunSource, SceneMeshes, SimulateError, SimulateReport,
-    SimulateRequest, simulate,
+    RunError, RunSink, RunSource, SceneMeshes, SimulateError, SimulateReport, SimulateRequest,
+    simulate,
 };
 use greenstick::simulated_faces::{PartlyBroken, SimulatedFacesError, simulated_faces};
 use greenstick::skin::film::{FilmOptions, FilmParameters, Run};
@@ -23,7 +24,7 @@ use greenstick::wood::primitive::BranchOptions;
 use greenstick::wood::stem::StemLocation;
 use std::collections::BTreeSet;
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 /// Share of the wood that drawn faces may show out of place before rods show a run better.
 const SPLIT_SHARE: f64 = 0.05;
@@ -103,50 +104,6 @@ pub fn put_on(
     Ok(Some(scene.clone()))
 }
 
-/// A run that is recorded in memory, and read while it grows.
-#[derive(Clone, Default)]
-pub struct Recording(Arc<Mutex<MemoryRun>>);
-
-impl Recording {
-    fn run(&self) -> MutexGuard<'_, MemoryRun> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-impl RunSource for Recording {
-    fn name(&self) -> String {
-        self.run().name()
-    }
-
-    fn scene(&self) -> Result<Setting, RunError> {
-        self.run().scene()
-    }
-
-    fn checkpoint(&self) -> Result<Option<Checkpoint>, RunError> {
-        self.run().checkpoint()
-    }
-
-    fn energies(&self) -> Result<Vec<EnergyRow>, RunError> {
-        self.run().energies()
-    }
-
-    fn events(&self) -> Result<Vec<Event>, RunError> {
-        self.run().events()
-    }
-
-    fn forces(&self) -> Result<Vec<ForceRow>, RunError> {
-        self.run().forces()
-    }
-
-    fn frames(&self) -> Result<FrameTimes, RunError> {
-        self.run().frames()
-    }
-
-    fn frame(&self, number: usize) -> Result<Arc<Frame>, RunError> {
-        self.run().frame(number)
-    }
-}
-
 /// What a run tells, and asks.
 pub struct Listener<'a> {
     /// Is told of each frame.
@@ -175,38 +132,38 @@ struct Telling<'a> {
 
 impl RunSink for Telling<'_> {
     fn begin(&mut self, scene: &Setting) -> Result<(), RunError> {
-        self.recording.run().begin(scene)
+        self.recording.begin(scene)
     }
 
     fn resume(&mut self, progress: &Progress) -> Result<(), RunError> {
-        self.recording.run().resume(progress)
+        self.recording.resume(progress)
     }
 
     fn steer(&mut self, scene: &Setting) -> Result<bool, RunError> {
-        self.recording.run().steer(scene)
+        self.recording.steer(scene)
     }
 
     fn energy(&mut self, row: &EnergyRow) -> Result<(), RunError> {
-        self.recording.run().energy(row)
+        self.recording.energy(row)
     }
 
     fn event(&mut self, event: &Event) -> Result<(), RunError> {
-        self.recording.run().event(event)
+        self.recording.event(event)
     }
 
     fn force(&mut self, row: &ForceRow) -> Result<(), RunError> {
-        self.recording.run().force(row)
+        self.recording.force(row)
     }
 
     fn frame(&mut self, frame: Frame) -> Result<(), RunError> {
-        RunSink::frame(&mut *self.recording.run(), frame)?;
+        RunSink::frame(&mut self.recording, frame)?;
         (self.listener.tell)(&self.recording);
         Ok(())
     }
 
     fn save(&mut self, checkpoint: Checkpoint) -> Result<(), RunError> {
         let frames = checkpoint.progress.frames;
-        self.recording.run().save(checkpoint)?;
+        self.recording.save(checkpoint)?;
         // Only a frame is stopped at: else there would be more stops than steps.
         if frames > self.asked {
             self.asked = frames;

@@ -8,8 +8,9 @@ use crate::model::frame_artist::FrameArtist;
 use crate::model::hand::{BY_HAND, add_hand, can_pull, hand_way, steered};
 use crate::model::holds::{Moved, hand_of, holds_of, move_holds};
 use crate::model::input::{Input, InputContent};
+use crate::model::recording::Recording;
 use crate::model::simulated::{
-    Ended, EndedRun, Listener, Recording, RunStem, put_on, recorded, recorded_outcome, run, time_of,
+    Ended, EndedRun, Listener, RunStem, put_on, recorded, recorded_outcome, run, time_of,
 };
 use crate::model::simulation::{Begun, Look, News, Outcome, SimulationJob, Source};
 use greenstick::fibre::scene::{Scene as Setting, StemChoice};
@@ -38,6 +39,28 @@ struct Current {
     steer: Arc<Mutex<Option<[f64; 3]>>>,
     /// The run, once it ended.
     ended: Arc<Mutex<Option<EndedRun>>>,
+    /// What the next simulation may go on from.
+    kept: Arc<Mutex<Option<KeptRun>>>,
+}
+
+/// A run whose states are kept, so that one which begins as it did can go on from there.
+struct KeptRun {
+    job: SimulationJob,
+    /// Its scene, with the hand.
+    setting: Setting,
+    recording: Recording,
+}
+
+impl KeptRun {
+    /// The run of a scene (with the hand) of another job, as far as this one is the same.
+    fn branch(&self, job: &SimulationJob, setting: &Setting) -> Option<Recording> {
+        let stem = |job: &SimulationJob| job.stem.as_ref().map(|(stem, place)| (stem.id, *place));
+        let of = |job: &SimulationJob| (job.source.clone(), job.own, stem(job));
+        // The meshes of bodies are read from files, which may be others by now.
+        let is_known = setting.body.iter().all(|b| b.file.is_empty());
+        let same = is_known && of(&self.job) == of(job);
+        same.then(|| self.recording.branch(&self.setting, setting))?
+    }
 }
 
 /// Simulates beside the window.
@@ -116,6 +139,7 @@ impl Simulator {
     /// Begins another simulation.
     pub fn begin(&mut self, job: SimulationJob) {
         self.cancel();
+        let before = locked(&self.current.kept).take();
         self.current = Current {
             number: job.number,
             ..Current::default()
@@ -130,12 +154,13 @@ impl Simulator {
             gate: self.current.gate.clone(),
             steer: self.current.steer.clone(),
             ended: self.current.ended.clone(),
+            kept: self.current.kept.clone(),
         };
         let working = shared.working.clone();
         working.begin();
         let teller = self.teller();
         std::thread::spawn(move || {
-            let outcome = work(job, &shared, &teller);
+            let outcome = work((job, before), &shared, &teller);
             working.end();
             if let Err(failure) = outcome {
                 teller.tell(News::Ended(Err(failure)));
@@ -296,12 +321,14 @@ struct Shared {
     gate: Arc<Gate>,
     steer: Arc<Mutex<Option<[f64; 3]>>>,
     ended: Arc<Mutex<Option<EndedRun>>>,
+    kept: Arc<Mutex<Option<KeptRun>>>,
 }
 
 impl Shared {
     /// Runs a scene, with a hand that may be steered elsewhere while it goes on.
     fn run(
         &self,
+        job: &SimulationJob,
         (setting, hand, meshes): (&Setting, Option<Moved>, &SceneMeshes),
         recording: &Recording,
         teller: &Teller,
@@ -319,6 +346,11 @@ impl Shared {
         let mut hand = hand;
         loop {
             let scene = with_hand(setting, hand.as_ref());
+            *locked(&self.kept) = Some(KeptRun {
+                job: job.clone(),
+                setting: scene.clone(),
+                recording: recording.clone(),
+            });
             let by = match run((scene, meshes.clone()), recording, &listener, context)? {
                 Ended::Over(outcome) => return Ok(outcome),
                 Ended::Steered(by) => by,
@@ -332,8 +364,18 @@ impl Shared {
     }
 }
 
+/// What the run of a scene (with the hand) begins with: the one before as far as it is the same, or nothing.
+fn begun_before(before: Option<KeptRun>, job: &SimulationJob, setting: &Setting) -> Recording {
+    let begun = before.and_then(|before| before.branch(job, setting));
+    begun.unwrap_or_default()
+}
+
 /// Runs a scene, or reads a run, and makes wood of it.
-fn work(job: SimulationJob, shared: &Shared, teller: &Teller) -> Result<(), Failure> {
+fn work(
+    (job, before): (SimulationJob, Option<KeptRun>),
+    shared: &Shared,
+    teller: &Teller,
+) -> Result<(), Failure> {
     let Shared {
         working,
         artist,
@@ -381,11 +423,12 @@ fn work(job: SimulationJob, shared: &Shared, teller: &Teller) -> Result<(), Fail
                 input,
                 bodies: bodies.map_err(Failure::new)?,
             };
-            let recording = Recording::default();
+            let recording = begun_before(before, &job, &with_hand(&setting, hand.as_ref()));
             let source: Arc<dyn RunSource> = Arc::new(recording.clone());
             artist_of(&source, &meshes);
+            teller.tell(News::Recorded(recorded(&recording)));
             let scene = (&setting, hand, &meshes);
-            let outcome = shared.run(scene, &recording, teller, &running)?;
+            let outcome = shared.run(&job, scene, &recording, teller, &running)?;
             teller.tell(News::Recorded(recorded(&recording)));
             teller.tell(News::Ended(Ok(outcome)));
             (source, meshes, stem)

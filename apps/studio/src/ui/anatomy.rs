@@ -17,6 +17,7 @@ use eframe::egui::{
     self, Color32, CursorIcon, Grid, PointerButton, Pos2, Rect, RichText, Sense, Stroke,
     TextureOptions, Ui, Vec2,
 };
+use greenstick::fracture::parameters::CrackEnd;
 use greenstick::wood::tissue::Zone;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -276,7 +277,8 @@ impl Studio {
 
     /// The placed cracks that reach this section.
     fn paint_section_cracks(&self, painter: &egui::Painter, scene: &Scene, lie: &Lie) {
-        if self.project.cracks_are_sawn() || scene.book.sawn {
+        let at_break = self.project.crack_end() == Some(CrackEnd::Break);
+        if !at_break || scene.book.sawn {
             return;
         }
         let at_break = &scene.book.sections[scene.book.at_break];
@@ -417,8 +419,9 @@ impl Studio {
         Grid::new("section").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
             let diameters = section.diameters();
             let [least, greatest] = diameters.range.map(|d| unit.text(d));
-            ui.label("Diameter").on_hover_text(
-                "That of the circle of the same area; then the least and the greatest that a calliper finds.",
+            ui.label("Diameter here").on_hover_text(
+                "At the height of this section, over bark: that of the circle of the same area; then the least and the greatest that a \
+                 calliper finds. The line at the bottom of the window has the diameter at the break.",
             );
             let mean = unit.text(diameters.mean);
             ui.label(format!("{mean}  ({least} to {greatest})"));

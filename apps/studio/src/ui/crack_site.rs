@@ -1,4 +1,4 @@
-//! Where cracks are placed by hand: on the broken face, or on the sawn end at the stem's tip.
+//! Where cracks are placed by hand: on the broken face, or on a sawn end, at the stem's tip or base.
 
 use super::studio::Studio;
 use crate::model::placed_cracks::{BARK, CrackFace, Polar};
@@ -17,32 +17,30 @@ const BESIDE: f32 = 4.0;
 pub(super) type Site = (Arc<CrackFace>, Polar, f32);
 
 impl Studio {
-    /// The sawn end as it is drawn.
-    pub(super) fn end_face(&mut self) -> Option<Arc<CrackFace>> {
+    /// The sawn end at the tip, or that at the base, as it is drawn.
+    pub(super) fn end_face(&mut self, far: bool) -> Option<Arc<CrackFace>> {
         let (id, drawn) = self.drawn.clone()?;
         let number = self.project.selected().unwrap_or(0);
-        let known = self.cracks.end.as_ref();
-        if known.is_none_or(|f| (f.0, f.1) != (id, number)) {
-            let face = CrackFace::end(&drawn, number).map(Arc::new);
-            self.cracks.end = Some((id, number, face));
+        let known = &mut self.cracks.ends[usize::from(far)];
+        if known.as_ref().is_none_or(|f| (f.0, f.1) != (id, number)) {
+            let face = CrackFace::end(&drawn, number, far).map(Arc::new);
+            *known = Some((id, number, face));
         }
-        self.cracks.end.as_ref().and_then(|f| f.2.clone())
+        known.as_ref().and_then(|f| f.2.clone())
     }
 
     /// Where the cracks of the selected break are, or the first is being placed.
     pub(super) fn site_end(&self) -> CrackEnd {
-        let placing = match self.cracks.at_end {
-            true => CrackEnd::Sawn,
-            false => CrackEnd::Break,
-        };
-        self.project.crack_end().unwrap_or(placing)
+        let own = self.project.crack_end();
+        own.or(self.cracks.at).unwrap_or(CrackEnd::Break)
     }
 
     /// The face that cracks are placed on.
     pub(super) fn crack_site(&mut self) -> Option<Arc<CrackFace>> {
         match self.site_end() {
             CrackEnd::Break => self.crack_face(),
-            CrackEnd::Sawn => self.end_face(),
+            CrackEnd::Sawn => self.end_face(true),
+            CrackEnd::Base => self.end_face(false),
         }
     }
 
@@ -53,12 +51,14 @@ impl Studio {
         face: &CrackFace,
         pos: Pos2,
     ) -> Option<(Polar, f32)> {
-        if self.site_end() == CrackEnd::Break {
-            return self.place_on_face(rect, face, pos);
-        }
         let drawn = &self.drawn.as_ref()?.1;
+        let piece = match self.site_end() {
+            CrackEnd::Break => return self.place_on_face(rect, face, pos),
+            CrackEnd::Sawn => drawn.last_piece()?,
+            CrackEnd::Base => drawn.first_piece()?,
+        };
         let ray = self.ray_at(rect, pos);
-        let picked = pick(drawn, ray, Some(drawn.last_piece()?));
+        let picked = pick(drawn, ray, Some(piece));
         let place = picked.and_then(|picked| place_of(face, &picked));
         match place {
             Some((at, _)) if at.0 >= BARK && face.is_outside(at.1, ray.1) => place,
@@ -78,29 +78,31 @@ impl Studio {
         if let Some(why) = self.why_no_cracks() {
             return Err(why);
         }
-        let on_end = self.is_on_end(rect, pos);
-        match (self.project.crack_end(), on_end) {
-            (Some(CrackEnd::Break), true) => {
+        let at = self.end_at(rect, pos);
+        match self.project.crack_end() {
+            Some(CrackEnd::Break) if at != CrackEnd::Break => {
                 return Err(
-                    "The cracks of this break are in its broken face, and all are in one place: the choice above brings them to the sawn end.",
+                    "The cracks of this break are in its broken face, and all are in one place: the choice above brings them to an end.",
                 );
             }
-            (Some(CrackEnd::Sawn), false) => {
+            Some(CrackEnd::Sawn) if at != CrackEnd::Sawn => {
                 return Err(
-                    "The cracks of this break are in the sawn end, and all are in one place: the choice above brings them to the broken face.",
+                    "The cracks of this break are in the end at the tip, and all are in one place: the choice above brings them elsewhere.",
+                );
+            }
+            Some(CrackEnd::Base) if at != CrackEnd::Base => {
+                return Err(
+                    "The cracks of this break are in the end at the base, and all are in one place: the choice above brings them elsewhere.",
                 );
             }
             _ => {}
         }
-        if on_end && !self.is_last_break() {
-            return Err("The sawn end is that of the break nearest to it: select that one.");
-        }
-        if self.is_on_base(rect, pos) {
+        if at != CrackEnd::Break && !self.is_nearest_break(at == CrackEnd::Sawn) {
             return Err(
-                "Cracks open in the broken face and in the end at the tip. The end at the base has none.",
+                "The cracks of an end are those of the break nearest to it: select that one.",
             );
         }
-        self.cracks.at_end = on_end;
+        self.cracks.at = Some(at);
         let Some(face) = self.crack_site() else {
             return Ok(None);
         };
@@ -108,23 +110,37 @@ impl Studio {
         Ok(place.map(|(place, height)| (face, place, height)))
     }
 
-    /// Whether the selected break is the one nearest to the tip.
-    fn is_last_break(&self) -> bool {
+    /// Whether the selected break is the one nearest to the tip, or to the base.
+    fn is_nearest_break(&self, far: bool) -> bool {
         let number = self.project.selected().unwrap_or(0);
         let Some((_, drawn)) = &self.drawn else {
             return false;
         };
         let own = drawn.breaks.get(number).map(|b| b.length);
-        own.is_some_and(|own| drawn.breaks.iter().all(|b| b.length <= own))
+        let is_nearer = |own: f32, other: f32| if far { own >= other } else { own <= other };
+        own.is_some_and(|own| drawn.breaks.iter().all(|b| is_nearer(own, b.length)))
     }
 
-    /// Whether a point of the window is on the sawn end at the tip.
-    fn is_on_end(&mut self, rect: Rect, pos: Pos2) -> bool {
-        let (Some(face), Some(picked)) = (self.end_face(), self.picked(rect, pos)) else {
+    /// The end that a point of the window is on; the broken face where it is on none.
+    fn end_at(&mut self, rect: Rect, pos: Pos2) -> CrackEnd {
+        for (end, far) in [(CrackEnd::Sawn, true), (CrackEnd::Base, false)] {
+            if self.is_on_end(rect, pos, (end, far)) {
+                return end;
+            }
+        }
+        CrackEnd::Break
+    }
+
+    /// Whether a point of the window is on an end.
+    fn is_on_end(&mut self, rect: Rect, pos: Pos2, (end, far): (CrackEnd, bool)) -> bool {
+        let (Some(face), Some(picked)) = (self.end_face(far), self.picked(rect, pos)) else {
             return false;
         };
-        let drawn = self.drawn.as_ref().map(|d| d.1.clone());
-        if drawn.and_then(|d| d.last_piece()) != Some(picked.piece) {
+        let piece = (self.drawn.as_ref()).and_then(|(_, drawn)| match far {
+            true => drawn.last_piece(),
+            false => drawn.first_piece(),
+        });
+        if piece != Some(picked.piece) {
             return false;
         }
         let Some((place, height)) = place_of(&face, &picked) else {
@@ -132,23 +148,10 @@ impl Studio {
         };
         let reach = match place.0 {
             rho if rho < BARK => IN_CRACKS,
-            _ if self.project.cracks_are_sawn() => BESIDE,
+            _ if self.project.crack_end() == Some(end) => BESIDE,
             _ => RIM,
         };
         height - face.height(place) > -reach * face.radius()
-    }
-
-    /// Whether a point of the window is on the end at the base.
-    fn is_on_base(&mut self, rect: Rect, pos: Pos2) -> bool {
-        let (Some(face), Some(picked)) = (self.crack_face(), self.picked(rect, pos)) else {
-            return false;
-        };
-        let (Some(grain), Some((_, drawn))) = (picked.grain, &self.drawn) else {
-            return false;
-        };
-        let on_stem = drawn.vertices.iter().filter(|v| v.grain[3] > 0.5);
-        let lowest = on_stem.map(|v| v.grain[2]).fold(f32::INFINITY, f32::min);
-        face.polar(grain.truncate()).0 < BARK && grain.z < lowest + RIM * face.radius()
     }
 
     /// The choice of where the cracks of the selected break are; before there are any, where they are placed says it.
@@ -160,13 +163,18 @@ impl Studio {
                 (CrackEnd::Break, "broken face", "Cracks open the broken face."),
                 (
                     CrackEnd::Sawn,
-                    "sawn end",
+                    "end at the tip",
                     "Cracks open the end at the tip. One that is no flat face is sawn off straight first.",
+                ),
+                (
+                    CrackEnd::Base,
+                    "end at the base",
+                    "Cracks open the end at the base. One that is no flat face is sawn off straight first; a limb that grows on a trunk has none.",
                 ),
             ] {
                 ui.selectable_value(&mut end, Some(choice), name)
                     .on_hover_text(about)
-                    .on_disabled_hover_text("The first crack decides: drag over the broken face, or over the sawn end.");
+                    .on_disabled_hover_text("The first crack decides: drag over the broken face, or over an end.");
             }
         });
         if let (true, Some(end)) = (end != before, end) {
@@ -183,5 +191,5 @@ impl Studio {
 /// The place in the section of a point of the stem, and its height over a face's, m.
 fn place_of(face: &CrackFace, picked: &Picked) -> Option<(Polar, f32)> {
     let grain = picked.grain?;
-    Some((face.polar(grain.truncate()), grain.z - face.length()))
+    Some((face.polar(grain.truncate()), face.height_of(grain.z)))
 }

@@ -1,6 +1,7 @@
 //! What the tool that places drying cracks holds.
 
 use crate::model::placed_cracks::{CrackEndPoint, CrackFace, Polar};
+use greenstick::fracture::parameters::CrackEnd;
 use std::sync::Arc;
 
 /// What the pointer holds.
@@ -13,6 +14,9 @@ pub(super) enum Held {
     Part(usize, CrackEndPoint, f32),
 }
 
+/// A face, by the number of what is drawn and the break; none where there is no such face.
+pub(super) type KnownFace = (u64, usize, Option<Arc<CrackFace>>);
+
 /// The tool that places cracks.
 #[derive(Default)]
 pub struct CrackTool {
@@ -20,10 +24,10 @@ pub struct CrackTool {
     pub on: bool,
     pub(super) selected: Option<usize>,
     pub(super) held: Option<Held>,
-    /// Whether the first crack is being placed at the sawn end.
-    pub(super) at_end: bool,
-    /// The sawn end, by the number of what is drawn and the break.
-    pub(super) end: Option<(u64, usize, Option<Arc<CrackFace>>)>,
+    /// Where the first crack is being placed.
+    pub(super) at: Option<CrackEnd>,
+    /// The ends at the base and at the tip, by the number of what is drawn and the break.
+    pub(super) ends: [Option<KnownFace>; 2],
     /// The face that cracks are drawn on, by the number of what is drawn and the break.
-    pub(super) face: Option<(u64, usize, Option<Arc<CrackFace>>)>,
+    pub(super) face: Option<KnownFace>,
 }

@@ -26,7 +26,7 @@ impl Studio {
         self.cracks.held = None;
         self.paint.on &= !self.cracks.on;
         self.said = match self.cracks.on {
-            true => "Drag over the broken wood, or over the sawn end, to place a crack.".to_owned(),
+            true => "Drag over the broken wood, or over a sawn end, to place a crack.".to_owned(),
             false => String::new(),
         };
     }
@@ -94,9 +94,9 @@ impl Studio {
         self.in_window(rect, face.point(place, face.height(place)))
     }
 
-    /// Where a place on the sawn end is in the window.
-    pub fn end_place_at(&mut self, rho: f32, angle: f32) -> Option<Pos2> {
-        let (rect, face) = (self.viewport_rect?, self.end_face()?);
+    /// Where a place on the sawn end at the tip, or on that at the base, is in the window.
+    pub fn end_place_at(&mut self, far: bool, rho: f32, angle: f32) -> Option<Pos2> {
+        let (rect, face) = (self.viewport_rect?, self.end_face(far)?);
         let place = (rho, angle);
         self.in_window(rect, face.point(place, face.height(place)))
     }
@@ -415,7 +415,7 @@ impl Studio {
             }
             let text = match chosen {
                 Some(number) => describe(&self.project.placed_cracks()[number]),
-                None => "Drag over the broken wood or the sawn end: along a ray, or around the pith for a ring shake. On the bark, along the stem."
+                None => "Drag over the broken wood or a sawn end: along a ray, or around the pith for a ring shake. On the bark, along the stem."
                     .to_owned(),
             };
             // A row more would shift the picture under the pointer.

@@ -3,15 +3,15 @@
 use super::colours::ACCENT;
 use super::holds::along;
 use super::labels::paint_label;
-use super::simulation_view::{Grabbed, SimulationView};
+use super::simulation_view::{Grabbed, SimulationView, Waiting};
 use super::studio::Studio;
 use crate::model::engine::Failure;
-use crate::model::hand::{Grip, HandPlace, LEAST_PULL, grip_at};
-use crate::model::holds::{Hold, HoldPart, Moved};
+use crate::model::hand::{Grip, HandPlace, LEAST_PULL, grip_at, pulled_to, steered_on_way};
+use crate::model::holds::{Hold, HoldPart, Moved, hand_of};
 use crate::model::input::InputContent;
 use crate::model::simulation::Source;
 use crate::view::pick::pick;
-use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, Ui};
+use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, Ui, Vec2};
 use glam::Vec3;
 
 /// What a drag for the hand is called among the steps.
@@ -42,7 +42,7 @@ impl SimulationView {
         self.axis.windows(2).map(|p| p[0].distance(p[1])).sum()
     }
 
-    fn hand(&self) -> Option<&Hold> {
+    pub(super) fn hand(&self) -> Option<&Hold> {
         self.holds.iter().find(|h| h.part == HoldPart::Hand)
     }
 
@@ -59,6 +59,17 @@ impl SimulationView {
         let places = self.hand_way.iter();
         let nearest = places.min_by(|a, b| off(a).total_cmp(&off(b)))?;
         Some(along(&self.axis, self.hand()?.at)? + drawn(nearest.1) * self.stem_length())
+    }
+
+    /// Where the hand is on its way to in the frame that is shown, in the picture: while it is held, to where it is dragged.
+    fn pulled_to(&self) -> Option<Vec3> {
+        if self.waited.is_some() {
+            return self.hand_end();
+        }
+        let hand = hand_of(&self.simulated)?;
+        let time = *self.recorded.times.get(self.shown?.0)?;
+        let by = pulled_to(&self.hand_way, &hand, time);
+        Some(along(&self.axis, hand.at)? + drawn(by) * self.stem_length())
     }
 
     /// Whether the hand pulls along the stem; it goes on so when it is steered.
@@ -123,20 +134,30 @@ impl Studio {
         drawn.is_some_and(|d| pick(&d.1, self.ray_at(rect, pos), None).is_some())
     }
 
-    /// Holds the run while its hand is held, where that is to be steered elsewhere.
-    pub(super) fn hold_run(&mut self) {
+    /// Has the run wait while its hand is held, `beside` the pointer, to be steered elsewhere.
+    pub(super) fn hold_run(&mut self, beside: Vec2) {
         if self.steered_scene().is_none() {
             return;
         }
-        if let Some(simulation) = &mut self.simulation {
-            simulation.waited = Some(simulation.paused);
+        let live = self.is_live();
+        let Some(simulation) = &mut self.simulation else {
+            return;
+        };
+        simulation.beside = beside;
+        if live {
+            let paused = simulation.paused;
+            simulation.waited = Some(Waiting::Live { paused });
             simulation.paused = true;
             simulation.playback.follows = true;
             self.platform.pause_simulation(true);
+        } else {
+            let shown = simulation.shown.map_or(0, |s| s.0);
+            simulation.waited = Some(Waiting::Frame(shown));
+            simulation.playback.go(shown, simulation.frames());
         }
     }
 
-    /// Lets the run go on from its present frame with the hand where it was let go. Returns whether a run was held.
+    /// Lets the run go on, with the hand where it was let go, from the frame in which it was taken hold of. Returns whether it waited.
     pub(super) fn steer_run(&mut self) -> bool {
         let Some(simulation) = &mut self.simulation else {
             return false;
@@ -146,23 +167,45 @@ impl Studio {
         };
         simulation.held = None;
         simulation.history.rest();
-        simulation.paused = waited;
-        let by = simulation.hand().map(|h| h.by);
-        match (by, &simulation.outcome) {
-            (Some(by), None) => {
+        let Some(by) = simulation.hand().map(|h| h.by) else {
+            return true;
+        };
+        match waited {
+            Waiting::Live { paused } if simulation.outcome.is_none() => {
+                simulation.paused = paused;
                 self.platform.steer_simulation(by);
-                self.said = "The hand pulls there from this frame on.".to_owned();
+                if !paused {
+                    self.platform.pause_simulation(false);
+                }
             }
-            _ => {
-                simulation.history.drop_step(&mut simulation.holds);
-                self.said =
-                    "The run has ended: at the first frame the hand can pull elsewhere.".to_owned();
-            }
+            // The run may have ended meanwhile.
+            Waiting::Live { .. } => self.steer_from(usize::MAX, by),
+            Waiting::Frame(number) => self.steer_from(number, by),
         }
-        if !waited {
-            self.platform.pause_simulation(false);
-        }
+        self.said = "The hand pulls there from this frame on.".to_owned();
         true
+    }
+
+    /// Moves the wood anew from a frame that was recorded on, with the hand on its way to another place.
+    fn steer_from(&mut self, number: usize, by: [f64; 3]) {
+        let Some(simulation) = &mut self.simulation else {
+            return;
+        };
+        let times = &simulation.recorded.times;
+        let time = times.get(number).or(times.last()).copied();
+        let before = hand_of(&simulation.simulated);
+        let (Some(time), Some(before)) = (time, before) else {
+            return;
+        };
+        let next = steered_on_way(&simulation.hand_way, &before, time, by);
+        for hold in simulation
+            .holds
+            .iter_mut()
+            .filter(|h| h.part == HoldPart::Hand)
+        {
+            (hold.by, hold.before) = (next.by, next.before.clone());
+        }
+        self.simulate_again();
     }
 
     /// Takes hold of the wood under the pointer, where that is asked for. A drag that cannot pull does nothing else either.
@@ -170,10 +213,11 @@ impl Studio {
         if !self.is_on_pulled_wood(rect, pos) {
             return None;
         }
-        let simulation = self.simulation.as_mut()?;
-        if simulation.hand().is_some() && self.is_live() {
-            self.said = "Drag the hand's dot to steer it while the wood moves.".to_owned();
-            return Some(Grabbed::Nothing);
+        if self.steered_scene().is_some() {
+            // Wherever the wood is dragged, the hand goes along.
+            let dot = self.hold_dot(HoldPart::Hand)?;
+            self.hold_run(dot - pos);
+            return Some(Grabbed::Part(HoldPart::Hand));
         }
         let simulation = self.simulation.as_mut()?;
         if simulation.shown.is_none_or(|s| s.0 != 0) {
@@ -207,9 +251,10 @@ impl Studio {
     /// Drags the hand to a point of the window: along the stem where the drag goes along it in the picture, else in the plane through
     /// where it took hold that faces the camera.
     pub(super) fn drag_hand(&mut self, rect: Rect, pos: Pos2) {
+        let steers = self.simulation.as_ref().filter(|s| s.waited.is_some());
+        let pos = pos + steers.map_or(Vec2::ZERO, |s| s.beside);
         let (origin, direction) = self.ray_at(rect, pos);
         let facing = self.camera.backward();
-        let steers = self.simulation.as_ref().filter(|s| s.waited.is_some());
         let along_stem = match steers {
             // What the hand holds the wood across or along was decided when it took hold.
             Some(simulation) => simulation.pulls_along(),
@@ -293,6 +338,7 @@ impl Studio {
             return;
         };
         if simulation.shown.is_some_and(|s| s.0 > 0) {
+            let end = simulation.pulled_to().unwrap_or(end);
             return self.paint_steered_hand(painter, rect, simulation, end);
         }
         let grip = grip_at(&simulation.holds, hand.at).ok();
@@ -362,7 +408,7 @@ impl Studio {
         let mut pulls = self.simulation.as_ref().is_some_and(|s| s.pulls);
         let before = pulls;
         ui.toggle_value(&mut pulls, "Pull")
-            .on_hover_text("A drag over the wood, at the first frame, pulls on it (L).");
+            .on_hover_text("A drag over the wood pulls on it: at the first frame where the drag begins, later on with the hand that is there (L).");
         if pulls != before {
             self.toggle_pulling();
         }

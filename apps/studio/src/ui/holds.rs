@@ -40,16 +40,15 @@ impl Studio {
         self.in_window(rect, along(&self.held_scene()?.axis, at)?)
     }
 
-    /// The simulation whose hand can be steered elsewhere: one that goes on, at its last frame so far.
+    /// The simulation whose hand can be steered elsewhere: from any frame but the first on.
     pub(super) fn steered_scene(&self) -> Option<&SimulationView> {
         let simulation = self
             .simulation
             .as_ref()
             .filter(|s| s.waited.is_some() || s.pulls)?;
-        let shown = simulation.shown?.0;
-        let goes_on = shown > 0 && (simulation.waited.is_some() || self.is_live());
-        (goes_on && simulation.axis.len() > 1 && !simulation.hand_way.is_empty())
-            .then_some(simulation)
+        let is_later = simulation.shown.is_some_and(|s| s.0 > 0);
+        let has_hand = !simulation.hand_way.is_empty() && simulation.hand().is_some();
+        (is_later && has_hand && simulation.axis.len() > 1).then_some(simulation)
     }
 
     /// Where the dot of a part of the scene is in the window, where handles are shown.
@@ -97,7 +96,7 @@ impl Studio {
             let held = pressed.and_then(|pos| match self.hold_part_at(pos) {
                 None => self.take_hold(rect, pos),
                 Some(part) => {
-                    self.hold_run();
+                    self.hold_run(Vec2::ZERO);
                     Some(Grabbed::Part(part))
                 }
             });
@@ -185,7 +184,7 @@ impl Studio {
     }
 
     /// Begins the simulation again where its parts are now, and looks at it from where it was looked at.
-    fn simulate_again(&mut self) {
+    pub(super) fn simulate_again(&mut self) {
         let moved = self.moved();
         let Some(mut before) = self.simulation.take() else {
             return;
@@ -204,6 +203,8 @@ impl Studio {
             simulation.history = std::mem::take(&mut before.history);
             simulation.axis = std::mem::take(&mut before.axis);
             simulation.about = std::mem::take(&mut before.about);
+            simulation.look = before.look;
+            simulation.playback.speed = before.playback.speed;
             // What is drawn stays until there is a frame.
             simulation.drawn = before.drawn.take();
             simulation.rest_radius = before.rest_radius;

@@ -245,7 +245,11 @@ fn lock(ui: &mut Ui, locked: bool) -> egui::Response {
 
 /// The name of a parameter as people read it.
 fn shown_name(p: &ParameterInfo, table: Option<&str>) -> String {
-    let own = p.key.rsplit('.').next().unwrap_or(&p.key).replace('_', " ");
+    let own = match p.key.rsplit('.').next().unwrap_or(&p.key) {
+        // Not that of the stem, which is told in other places.
+        "diameter" => "noise diameter".to_owned(),
+        own => own.replace('_', " "),
+    };
     let table = table.filter(|t| !t.is_empty() && *t != "break");
     let table = table.map(|t| t.trim_start_matches("break.").replace('_', " "));
     let name = match table {

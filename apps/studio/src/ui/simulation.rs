@@ -74,6 +74,7 @@ impl Studio {
             simulated: moved,
             held: None,
             waited: None,
+            beside: egui::Vec2::ZERO,
             hand_way: Vec::new(),
             axis: Arc::default(),
             about: String::new(),

@@ -64,7 +64,11 @@ impl Studio {
                     )
                     .clicked();
                 if let Some(Err(problem)) = &simulation.wood {
-                    let text = format!("Drawn as rods: {problem}");
+                    let text = match outcome.broke {
+                        true => format!("Drawn as rods: {problem}"),
+                        false => "Nothing broke, so that there is no face to cut the wood along."
+                            .to_owned(),
+                    };
                     ui.add(egui::Label::new(RichText::new(text).weak()).wrap());
                 }
             }
@@ -79,7 +83,8 @@ impl Studio {
             ui.separator();
             let hint = match simulation.pulls {
                 true => {
-                    "At the first frame, dots on the stem move what holds it, and a drag over the wood pulls on it."
+                    "At the first frame, dots on the stem move what holds it, and a drag over the wood takes hold of it. From any later \
+                     frame a drag takes the hand along, and the run goes on from there."
                 }
                 false => "At the first frame, dots on the stem move clamps, forces and bodies.",
             };

@@ -6,6 +6,7 @@ use crate::model::holds::{Hold, HoldPart, Moved};
 use crate::model::meshes::DrawnScene;
 use crate::model::simulation::{Look, Outcome, Playback, Recorded, Source};
 use crate::view::camera::Camera;
+use eframe::egui::Vec2;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -16,6 +17,15 @@ pub(super) enum Grabbed {
     Part(HoldPart),
     /// Wood that cannot be pulled there.
     Nothing,
+}
+
+/// What a run goes on from when its hand is let go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Waiting {
+    /// Its last frame so far; `paused` says whether it waited before the hand was held.
+    Live { paused: bool },
+    /// A frame that was recorded.
+    Frame(usize),
 }
 
 /// A simulation that is looked at.
@@ -38,8 +48,10 @@ pub struct SimulationView {
     pub paused: bool,
     /// What the pointer holds while it is pressed.
     pub(super) held: Option<Grabbed>,
-    /// While the hand of a run that goes on is held: whether the run waited before.
-    pub(super) waited: Option<bool>,
+    /// While the hand of a run is held after its first frame: what it goes on from when it is let go.
+    pub(super) waited: Option<Waiting>,
+    /// How far the hand is from the pointer that holds it, points of the window.
+    pub(super) beside: Vec2,
     /// The way of the hand, frame by frame.
     pub(super) hand_way: Vec<HandPlace>,
     /// The axis of the stem before it moved.

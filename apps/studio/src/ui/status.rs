@@ -67,10 +67,10 @@ fn summary(report: &BreakReport, triangles: usize, unit: ShownUnit) -> String {
         .as_ref()
         .map_or(String::new(), |s| format!("{} · ", s.name));
     format!(
-        "{species}{} thick · at {:.2} of {:.2} m · {} pieces · {} triangles",
+        "{species}diameter at the break {} · {} of {} from the base · {} pieces · {} triangles",
         unit.text(2.0 * place.radius_m),
-        place.length_m,
-        place.stem_length_m,
+        unit.text(place.length_m),
+        unit.text(place.stem_length_m),
         report.pieces.len(),
         thousands(triangles),
     )

@@ -21,6 +21,9 @@ const NOTCH: f32 = 0.88;
 /// Points of a touchpad's movement that are as much as one point of a mouse's.
 const TOUCHPAD: f32 = 1.0;
 
+/// Points beside the pointer at which a thin branch is still what is meant: the wheel goes nearer to that, not to what lies behind it.
+const BESIDE: [f32; 3] = [8.0, 20.0, 40.0];
+
 /// Room that the slider which pulls pieces apart takes with its texts, and the buttons behind it, points.
 const APART_WIDTH: f32 = 310.0;
 
@@ -242,14 +245,40 @@ impl Studio {
                     }
                 }
                 MouseWheelUnit::Point => {}
-                _ => self.camera.zoom(NOTCH.powf(delta.y), at, aspect),
+                _ => {
+                    self.look_at_pointed(rect, response);
+                    self.camera.zoom(NOTCH.powf(delta.y), at, aspect);
+                }
             }
         }
         if pinch != 1.0 {
+            self.look_at_pointed(rect, response);
             self.camera.zoom(1.0 / pinch, at, aspect);
             moved = true;
         }
         moved
+    }
+
+    /// Moves what the camera turns about and comes near to, to the depth of what is under the pointer; the picture stays as it is.
+    fn look_at_pointed(&mut self, rect: Rect, response: &egui::Response) {
+        let drawn = match &self.simulation {
+            Some(simulation) => &simulation.drawn,
+            None => &self.drawn,
+        };
+        let (Some(pos), Some(drawn)) = (response.hover_pos(), drawn.as_ref()) else {
+            return;
+        };
+        let at = |pos| pick(&drawn.1, self.ray_at(rect, pos), None);
+        let around = || {
+            let directions = (0..8).map(|k| Vec2::angled(k as f32 * std::f32::consts::FRAC_PI_4));
+            let rings = BESIDE.into_iter();
+            let mut places = rings.flat_map(|r| directions.clone().map(move |d| pos + d * r));
+            places.find_map(at)
+        };
+        let pointed = at(pos).or_else(around);
+        if let Some(pointed) = pointed {
+            self.camera.look_at_depth_of(pointed.position);
+        }
     }
 
     fn paint(&mut self, ui: &Ui, rect: Rect, moving: bool) {

@@ -157,6 +157,16 @@ impl Camera {
         self.target += (self.right() * -by.x + self.up() * by.y) * scale;
     }
 
+    /// Moves what it looks at to the depth of a point; what is seen stays as it is. Where all is parallel, depths do not matter.
+    pub fn look_at_depth_of(&mut self, point: Vec3) {
+        let eye = self.eye();
+        let depth = (eye - point).dot(self.backward());
+        if !self.parallel && depth > 0.0 {
+            self.target = eye - self.backward() * depth;
+            self.distance = depth;
+        }
+    }
+
     /// Goes nearer (factor below 1) or farther, towards what is at `at` (−1 to 1 across and up).
     pub fn zoom(&mut self, factor: f32, at: Vec2, aspect: f32) {
         let before = self.distance;

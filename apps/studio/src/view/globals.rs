@@ -2,7 +2,7 @@
 
 use super::frame::View;
 use super::resources::SHADOW_SIDE;
-use crate::model::materials::{Opacity, Texture};
+use crate::model::materials::{Opacity, Texture, Wrap};
 use crate::model::meshes::{Batch, Shading};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -113,6 +113,7 @@ pub(super) fn surface_numbers(batch: &Batch) -> SurfaceNumbers {
         map: [1.0, 1.0, 0.0, 0.0],
         turn: 0.0,
         strength: 0.0,
+        wraps: [Wrap::Repeat; 2],
     };
     let texture = batch.texture.unwrap_or(none);
     let relief = batch.relief.unwrap_or(none);

@@ -4,10 +4,12 @@ use super::camera::Camera;
 use super::frame::{Colours, View};
 use super::globals::{Globals, globals, surface_numbers};
 use super::resources::{
-    COLOR, COLORS, DEPTH, NUMBERS, Pipelines, SAMPLES, SHADOW_SIDE, edges, entry, image_texture,
+    COLOR, COLORS, DEPTH, NUMBERS, Pipelines, SAMPLES, SHADOW_SIDE, edges, entry, image_sampler,
+    image_texture,
 };
 use super::section::LoadedSection;
 use crate::model::look::WoodLook;
+use crate::model::materials::{Texture, Wrap};
 use crate::model::meshes::{Batch, DrawnScene, Shading};
 use crate::model::section::Plane;
 use eframe::egui;
@@ -124,7 +126,8 @@ pub struct Renderer {
     shadow_map: wgpu::TextureView,
     comparing: wgpu::Sampler,
     shadow_group: wgpu::BindGroup,
-    linear: wgpu::Sampler,
+    /// Samplers of images, by how coordinates beyond them are read across and down.
+    samplers: [[wgpu::Sampler; Wrap::ALL.len()]; Wrap::ALL.len()],
     blank: wgpu::TextureView,
     loaded: Option<Loaded>,
     section: Option<LoadedSection>,
@@ -180,14 +183,6 @@ impl Renderer {
             min_filter: wgpu::FilterMode::Linear,
             ..wgpu::SamplerDescriptor::default()
         });
-        let linear = device.create_sampler(&wgpu::SamplerDescriptor {
-            address_mode_u: wgpu::AddressMode::Repeat,
-            address_mode_v: wgpu::AddressMode::Repeat,
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
-            ..wgpu::SamplerDescriptor::default()
-        });
         let shadow_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("shadow"),
             layout: &pipelines.shadow.get_bind_group_layout(0),
@@ -205,7 +200,7 @@ impl Renderer {
             shadow_map,
             comparing,
             shadow_group,
-            linear,
+            samplers: Wrap::ALL.map(|u| Wrap::ALL.map(|v| image_sampler(device, [u, v]))),
             loaded: None,
             section: None,
             target: None,
@@ -253,7 +248,7 @@ impl Renderer {
             (Some(faces), _) => {
                 let (numbers, blank) = (
                     surface_numbers(&Batch::OPENED_WOOD),
-                    (&self.blank, &self.linear),
+                    (&self.blank, self.sampler([Wrap::Repeat; 2])),
                 );
                 let numbers = bytemuck::bytes_of(&numbers);
                 LoadedSection::new(device, &self.pipelines, blank, numbers, faces)
@@ -269,6 +264,11 @@ impl Renderer {
         true
     }
 
+    fn sampler(&self, wraps: [Wrap; 2]) -> &wgpu::Sampler {
+        let [across, down] = wraps.map(|wrap| wrap as usize);
+        &self.samplers[across][down]
+    }
+
     fn make_target(&self, device: &wgpu::Device, size: [u32; 2]) -> Target {
         let drawn = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let samples = view(&texture(device, size, COLOR, SAMPLES, drawn));
@@ -281,7 +281,10 @@ impl Renderer {
             layout: &self.pipelines.copy,
             entries: &[
                 entry(0, wgpu::BindingResource::TextureView(&resolved)),
-                entry(1, wgpu::BindingResource::Sampler(&self.linear)),
+                entry(
+                    1,
+                    wgpu::BindingResource::Sampler(self.sampler([Wrap::Repeat; 2])),
+                ),
             ],
         });
         let distance = [COLOR, DEPTH].map(|format| {
@@ -377,14 +380,19 @@ impl Renderer {
         let image = batch.texture.and_then(|t| images.get(t.image));
         let relief = batch.relief.and_then(|t| reliefs.get(t.image));
         let view = wgpu::BindingResource::TextureView;
+        let sampler = |of: Option<Texture>| {
+            let wraps = of.map_or([Wrap::Repeat; 2], |t| t.wraps);
+            wgpu::BindingResource::Sampler(self.sampler(wraps))
+        };
         let material = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("material"),
             layout: &self.pipelines.material,
             entries: &[
                 entry(0, numbers.as_entire_binding()),
                 entry(1, view(image.unwrap_or(&self.blank))),
-                entry(2, wgpu::BindingResource::Sampler(&self.linear)),
+                entry(2, sampler(batch.texture)),
                 entry(3, view(relief.unwrap_or(&self.blank))),
+                entry(4, sampler(batch.relief)),
             ],
         });
         let wood = match batch.shading {

@@ -1,6 +1,7 @@
 //! Pipelines, layouts and textures of the viewport.
 
 use crate::model::look::WoodLook;
+use crate::model::materials::Wrap;
 use crate::model::meshes::{DrawnScene, Vertex};
 use greenstick::geometry::Pixels;
 use wgpu::util::DeviceExt;
@@ -192,6 +193,7 @@ impl Layouts {
                 texture(1, FILTERED),
                 sampler(2, filtering),
                 texture(3, FILTERED),
+                sampler(4, filtering),
             ]),
             copy: layout(&[texture(0, FILTERED), sampler(1, filtering)]),
         }
@@ -335,6 +337,23 @@ impl Pipelines {
             ],
         })
     }
+}
+
+/// A sampler of images with halved levels, which reads coordinates beyond 0 to 1 so across and down.
+pub fn image_sampler(device: &wgpu::Device, wraps: [Wrap; 2]) -> wgpu::Sampler {
+    let [across, down] = wraps.map(|wrap| match wrap {
+        Wrap::Repeat => wgpu::AddressMode::Repeat,
+        Wrap::ClampToEdge => wgpu::AddressMode::ClampToEdge,
+        Wrap::MirroredRepeat => wgpu::AddressMode::MirrorRepeat,
+    });
+    device.create_sampler(&wgpu::SamplerDescriptor {
+        address_mode_u: across,
+        address_mode_v: down,
+        mag_filter: wgpu::FilterMode::Linear,
+        min_filter: wgpu::FilterMode::Linear,
+        mipmap_filter: wgpu::MipmapFilterMode::Linear,
+        ..wgpu::SamplerDescriptor::default()
+    })
 }
 
 /// An entry of a group.

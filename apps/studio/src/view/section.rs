@@ -50,6 +50,7 @@ impl LoadedSection {
                     entry(1, wgpu::BindingResource::TextureView(blank)),
                     entry(2, wgpu::BindingResource::Sampler(linear)),
                     entry(3, wgpu::BindingResource::TextureView(blank)),
+                    entry(4, wgpu::BindingResource::Sampler(linear)),
                 ],
             }),
             faces: faces.clone(),

@@ -61,6 +61,7 @@ struct Surface {
 @group(2) @binding(1) var base_texture: texture_2d<f32>;
 @group(2) @binding(2) var base_sampler: sampler;
 @group(2) @binding(3) var relief_texture: texture_2d<f32>;
+@group(2) @binding(4) var relief_sampler: sampler;
 
 struct VertexIn {
     @location(0) position: vec3<f32>,
@@ -832,7 +833,7 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
     let dg2 = dpdy(v.grain.xyz);
     let texel = base_texel(v.uv);
     let relief_place = texture_place(v.uv, surface.relief.xy, surface.relief_map);
-    let relief = textureSample(relief_texture, base_sampler, relief_place).xyz;
+    let relief = textureSample(relief_texture, relief_sampler, relief_place).xyz;
     let dt1 = dpdx(relief_place);
     let dt2 = dpdy(relief_place);
     // Seen where the texture is; where it has none, everywhere.
@@ -885,11 +886,18 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
                 look.slope *= 0.25;
             }
         } else if (is_skin) {
-            // Off the stem, as in the pictures: about the vertical, as far out as the stem is thick.
-            let out = normal.xz / max(length(normal.xz), 1e-6);
-            var place = vec3<f32>(out * wood.edges.x, v.position.y);
-            if (on_stem) { place = vec3<f32>(across, v.grain.z); }
-            look = bark_at(place, footprint);
+            if (on_stem) {
+                look = bark_at(vec3<f32>(across, v.grain.z), footprint);
+            } else if (v.grain.w > 0.0) {
+                // Along the limb, whose bark is finer: the relief is as much shallower.
+                let finer = 0.4 / v.grain.w;
+                look = bark_at(v.grain.xyz, footprint * finer);
+                look.slope /= finer;
+            } else {
+                // What has too many points for that: about the vertical, as far out as the stem is thick.
+                let out = normal.xz / max(length(normal.xz), 1e-6);
+                look = bark_at(vec3<f32>(out * wood.edges.x, v.position.y), footprint);
+            }
         } else {
             metal = surface.kind.x;
             if (surface.kind.w > 0.5) { look.color *= texel.rgb; }

@@ -116,7 +116,7 @@ fn cracks_are_placed_on_the_sawn_end_and_moved_to_the_break() {
     harness.key_press(Key::Home);
     harness.run_steps(2);
     let place = |harness: &mut Harness<'static, Studio>, rho, angle| {
-        harness.state_mut().end_place_at(rho, angle).unwrap()
+        harness.state_mut().end_place_at(true, rho, angle).unwrap()
     };
     let (from, to) = (
         place(&mut harness, 0.25, 0.9),
@@ -172,5 +172,53 @@ fn cracks_are_placed_on_the_sawn_end_and_moved_to_the_break() {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
         settle(&mut harness);
     }
+    assert_eq!(harness.state().project.file, RequestFile::default());
+}
+
+#[test]
+fn cracks_are_placed_on_the_end_at_the_base() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::K);
+    harness.run_steps(2);
+    // It is seen from below.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Num7);
+    harness.key_press(Key::Home);
+    harness.run_steps(2);
+    let place = |harness: &mut Harness<'static, Studio>, rho, angle| {
+        harness.state_mut().end_place_at(false, rho, angle).unwrap()
+    };
+    let from = place(&mut harness, 0.25, -1.2);
+    let to = place(&mut harness, 0.85, -1.2);
+    drag(&mut harness, from, to);
+    let drawn = radial(&harness, 0);
+    let turn = (drawn.angle.to_radians() + 1.2).rem_euclid(std::f64::consts::TAU);
+    assert!(!(0.1..6.18).contains(&turn), "{drawn:?}");
+    assert!((drawn.begin - 0.25).abs() < 0.08 && (drawn.end - 0.85).abs() < 0.08);
+    assert_eq!(harness.state().project.crack_end(), Some(CrackEnd::Base));
+    let dot = harness.state_mut().crack_dot(0, CrackEndPoint::End);
+    assert!(dot.unwrap().distance(to) < 3.0, "{dot:?} {to}");
+    let notes = &harness.state().report().unwrap().notes;
+    let said = |text: &str| notes.iter().any(|n| n.to_string().contains(text));
+    assert!(
+        said("end at the base") && !said("sawn off straight"),
+        "{notes:?}"
+    );
+    // Its depth dot lies in the wood: from the side it is above the end, which looks down.
+    harness.key_press(Key::Num1);
+    harness.run_steps(2);
+    let [end, depth] = [CrackEndPoint::End, CrackEndPoint::Depth]
+        .map(|part| harness.state_mut().crack_dot(0, part).unwrap());
+    let inner = harness.state_mut().face_place_at(0.0, 0.0).unwrap();
+    assert!(
+        (depth - end).dot(inner - end) > 0.0,
+        "{end} {depth} {inner}"
+    );
+    let (saved, bytes) = saved_and_broken(&mut harness, &folder);
+    assert_eq!(saved, harness.state().project.file);
+    assert!(bytes == exported(&harness), "not the command line's bytes");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
     assert_eq!(harness.state().project.file, RequestFile::default());
 }

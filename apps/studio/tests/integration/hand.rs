@@ -290,6 +290,77 @@ fn a_pull_is_steered_while_it_runs_and_the_saved_scene_is_the_same_run() {
     assert_eq!(report(&harness), bent);
 }
 
+/// The hand's earlier pulls: the frames until which it pulled there.
+fn steered_at(harness: &Window) -> Vec<u32> {
+    let holds = &harness.state().simulation().unwrap().holds;
+    let hand = holds.iter().find(|h| h.part == HoldPart::Hand).unwrap();
+    hand.before.iter().map(|s| s.frame).collect()
+}
+
+/// Asserts that the scene as it is saved gives the same run on the command line.
+fn assert_saved_is_same(harness: &mut Window, folder: &Folder, name: &str) {
+    assert!(errors(harness).is_empty(), "{:?}", errors(harness));
+    let saved = folder.0.join(name);
+    harness.state_mut().save_scene(saved.to_str().unwrap());
+    let scene = Scene::read(&read_text(&saved).unwrap()).unwrap();
+    let shown = (report(harness), broken_rods(harness));
+    assert_eq!(simulated_alone(scene), shown, "{name}");
+}
+
+#[test]
+fn a_pull_is_steered_after_its_end_and_from_a_frame_that_is_scrubbed_to() {
+    let folder = Folder::new();
+    let path = folder.0.join("held.toml");
+    std::fs::write(&path, HELD).unwrap();
+    let mut harness = studio(&folder, Some(path.to_str().unwrap()));
+    settle(&mut harness);
+    first_frame(&mut harness);
+    harness.key_press(Key::L);
+    harness.run_steps(2);
+    let [base, from] = [0.0, 0.9].map(|at| harness.state().stem_place(at).unwrap());
+    drag(&mut harness, from, from + Vec2::new(0.0, 50.0));
+    let pulled = report(&harness);
+    let (at, first) = hand(&harness).unwrap();
+    assert_eq!((frames(&harness), steered_at(&harness)), (11, Vec::new()));
+    // The run is over, and its last frame is shown: a drag anywhere over the wood takes the hand along.
+    let dot = harness.state().hold_dot(HoldPart::Hand).unwrap();
+    let wood = dot + (base - dot).normalized() * 14.0;
+    drag(&mut harness, wood, wood + Vec2::new(0.0, -90.0));
+    let (still_at, second) = hand(&harness).unwrap();
+    let seen = (dot, base, harness.state().simulation().unwrap().shown);
+    assert!(
+        still_at == at && second[2] > first[2],
+        "{second:?} {first:?} {seen:?}"
+    );
+    let last = steered_at(&harness);
+    assert!(last == [10] && frames(&harness) > 11, "{last:?}");
+    let on = (frames(&harness), report(&harness));
+    assert_ne!(on.1, pulled);
+    assert_saved_is_same(&mut harness, &folder, "on.toml");
+    // Back at the sixth frame, by its dot.
+    first_frame(&mut harness);
+    for _ in 0..5 {
+        harness.key_press(Key::ArrowRight);
+        harness.run_steps(2);
+        settle(&mut harness);
+    }
+    let dot = harness.state().hold_dot(HoldPart::Hand).unwrap();
+    drag(&mut harness, dot, dot + Vec2::new(0.0, 70.0));
+    let frame = steered_at(&harness);
+    assert!(frame == [5] || frame == [6], "{frame:?}");
+    let (_, third) = hand(&harness).unwrap();
+    assert!(third[2] < first[2], "{third:?} {first:?}");
+    assert_saved_is_same(&mut harness, &folder, "back.toml");
+    // Each is a step.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!((frames(&harness), report(&harness)), on);
+    assert_eq!(steered_at(&harness), last);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!((frames(&harness), report(&harness)), (11, pulled));
+}
+
 #[test]
 fn the_stem_at_hand_is_pulled_live_paused_and_stepped() {
     let folder = Folder::new();

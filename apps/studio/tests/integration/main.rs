@@ -7,6 +7,7 @@ mod early;
 mod fans;
 mod hand;
 mod labels;
+mod limbs;
 mod lost_card;
 mod page;
 mod paint;

@@ -314,6 +314,14 @@ fn board(
     color: impl Fn(u8, u8) -> [u8; 4],
     relief: Option<[u8; 4]>,
 ) -> Arc<DrawnScene> {
+    Arc::new(DrawnScene::unbroken(&board_scene(material, color, relief)))
+}
+
+fn board_scene(
+    material: Material,
+    color: impl Fn(u8, u8) -> [u8; 4],
+    relief: Option<[u8; 4]>,
+) -> Scene {
     let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
     let mut mesh = Mesh {
         positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0)).to_vec(),
@@ -351,7 +359,7 @@ fn board(
         sampler: [None; 4],
     };
     let normal = relief.unwrap_or_default();
-    let scene = Scene {
+    Scene {
         nodes: vec![Node::new("board", DAffine3::IDENTITY, mesh)],
         materials: vec![Material {
             base_color_texture: reference(0),
@@ -361,8 +369,71 @@ fn board(
         textures: vec![texture(0), texture(1)],
         images: vec![image(&color), image(&|_, _| normal)],
         ..Scene::default()
+    }
+}
+
+/// Draws a scene from the front; returns the mean red and blue of a square within the left, and within the right half.
+fn draw_halves(
+    card: &Card,
+    renderer: &mut Renderer,
+    shown: (u64, Arc<DrawnScene>),
+) -> [[f64; 2]; 2] {
+    let mut camera = Camera::default();
+    camera.look(AxisView::Front, false);
+    camera.frame(Vec3::ZERO, 0.8, 1.0);
+    let view = View {
+        shown: Some(shown),
+        camera,
+        size: [SIDE; 2],
+        colours: Colours::Wood,
+        wireframe: false,
+        section: None,
+        background: [0.0, 0.0, 1.0],
     };
-    Arc::new(DrawnScene::unbroken(&scene))
+    let pixels = card.draw(renderer, &view);
+    [60, 160].map(|left| {
+        let square = (100..140).flat_map(|y| (left..left + 36).map(move |x| y * SIDE as usize + x));
+        let (mut red, mut blue, mut count) = (0.0, 0.0, 0.0);
+        for at in square {
+            let [r, _, b, _] = pixels[at];
+            (red, blue, count) = (red + f64::from(r), blue + f64::from(b), count + 1.0);
+        }
+        [red / count, blue / count]
+    })
+}
+
+#[test]
+fn textures_go_on_beyond_their_edges_as_their_samplers_say() {
+    let Some(card) = card("textures_go_on_beyond_their_edges_as_their_samplers_say") else {
+        return;
+    };
+    let mut renderer = Renderer::new(&card.device, &card.queue, wgpu::TextureFormat::Rgba8Unorm);
+    // Red, then blue, and a last column of both.
+    let color = |x: u8, _: u8| match x {
+        0..4 => [200, 0, 0, 255],
+        4..7 => [0, 0, 200, 255],
+        _ => [200, 0, 200, 255],
+    };
+    let mut seen = |number: u64, down: bool, code: Option<u32>| {
+        let turned = |x, y| if down { color(7 - y, x) } else { color(x, y) };
+        let mut scene = board_scene(Material::default(), turned, None);
+        let reference = scene.materials[0].base_color_texture.as_mut().unwrap();
+        // Twice the image across the picture; turned by a quarter, what is down in the image is across.
+        let quarter = std::f32::consts::FRAC_PI_2;
+        let turn = if down { quarter } else { 0.0 };
+        reference.transform = Some(([0.0, if down { 1.0 } else { 0.0 }], turn, [2.0, 1.0]));
+        scene.textures[0].sampler[if down { 3 } else { 2 }] = code;
+        let shown = (number, Arc::new(DrawnScene::unbroken(&scene)));
+        draw_halves(&card, &mut renderer, shown).map(|square| square.map(|v| v > 60.0))
+    };
+    let (red, blue, both) = ([true, false], [false, true], [true, true]);
+    // Across, the left square shows the second half of the image. Down, v falls from 1 to −1 to the right.
+    for (number, down) in [(1, false), (5, true)] {
+        assert_eq!(seen(number, down, None), [blue, red]);
+        assert_eq!(seen(number + 1, down, Some(10_497)), [blue, red]);
+        assert_eq!(seen(number + 2, down, Some(33_071)), [blue, both]);
+        assert_eq!(seen(number + 3, down, Some(33_648)), [blue, blue]);
+    }
 }
 
 #[test]
@@ -374,30 +445,7 @@ fn holes_opacity_and_relief_of_materials_are_seen() {
     let mut number = 0;
     let mut draw = |shown: Arc<DrawnScene>| {
         number += 1;
-        let mut camera = Camera::default();
-        camera.look(AxisView::Front, false);
-        camera.frame(Vec3::ZERO, 0.8, 1.0);
-        let view = View {
-            shown: Some((number, shown)),
-            camera,
-            size: [SIDE; 2],
-            colours: Colours::Wood,
-            wireframe: false,
-            section: None,
-            background: [0.0, 0.0, 1.0],
-        };
-        let pixels = card.draw(&mut renderer, &view);
-        // The mean red and blue of a square within the left, and within the right half.
-        [60, 160].map(|left| {
-            let square =
-                (100..140).flat_map(|y| (left..left + 36).map(move |x| y * SIDE as usize + x));
-            let (mut red, mut blue, mut count) = (0.0, 0.0, 0.0);
-            for at in square {
-                let [r, _, b, _] = pixels[at];
-                (red, blue, count) = (red + f64::from(r), blue + f64::from(b), count + 1.0);
-            }
-            [red / count, blue / count]
-        })
+        draw_halves(&card, &mut renderer, (number, shown))
     };
     // Red, the right half clear.
     let half = |x: u8, _: u8| [200, 0, 0, if x < 4 { 255 } else { 40 }];

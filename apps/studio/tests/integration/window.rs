@@ -275,7 +275,7 @@ fn lengths_are_shown_in_the_unit_that_was_chosen() {
     let mut harness = studio(&folder, None);
     settle(&mut harness);
     let shown = |harness: &Harness<'_, Studio>| {
-        let fields = harness.get_all_by_role_and_label(Role::SpinButton, "Diameter");
+        let fields = harness.get_all_by_role_and_label(Role::SpinButton, "Noise diameter");
         fields
             .filter_map(|f| f.value())
             .collect::<Vec<_>>()
@@ -398,4 +398,38 @@ fn a_stem_that_is_too_thick_asks_for_the_unit_of_its_file() {
         Some(LengthUnit::Millimetre)
     );
     assert!(harness.query_by_label("Millimetres").is_none());
+}
+
+#[test]
+fn the_wheel_goes_nearer_to_what_is_under_the_pointer_and_never_past_it() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, None);
+    settle(&mut harness);
+    harness.key_press(Key::Home);
+    harness.run_steps(2);
+    // The sawn end is far from the middle of the picture, and nearer to the eye.
+    let end =
+        |harness: &mut Harness<'static, Studio>| harness.state_mut().end_place_at(true, 0.4, 0.5);
+    let at = end(&mut harness).unwrap();
+    let other = |harness: &mut Harness<'static, Studio>| {
+        harness.state_mut().end_place_at(true, 0.4, 3.6).unwrap()
+    };
+    let before = at.distance(other(&mut harness));
+    harness.hover_at(at);
+    harness.step();
+    for _ in 0..24 {
+        harness.event(eframe::egui::Event::MouseWheel {
+            unit: eframe::egui::MouseWheelUnit::Line,
+            delta: eframe::egui::vec2(0.0, 1.0),
+            phase: eframe::egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+            source: eframe::egui::MouseWheelSource::Unknown,
+        });
+        harness.step();
+    }
+    let now = end(&mut harness).expect("the end is behind the camera");
+    assert!(now.distance(at) < 3.0, "{now} {at}");
+    // 24 notches of 0.88 are 21 times nearer.
+    let nearer = now.distance(other(&mut harness)) / before;
+    assert!((10.0..40.0).contains(&nearer), "{nearer}");
 }

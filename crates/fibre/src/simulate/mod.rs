@@ -46,6 +46,7 @@ pub use prepare::{FilledStem, PositionedBundle, fill_scene_stem, position_bundle
 pub use refine::find_break;
 pub use report::{Buckled, EnergyDrift, SimulateReport};
 pub use run::{SimulateRequest, simulate};
+pub use steered::scenes_agree_until;
 pub use tissue_report::TissueReport;
 
 use glam::DVec3;

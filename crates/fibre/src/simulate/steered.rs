@@ -15,9 +15,16 @@ pub(super) fn is_steered(
     next: &Scene,
     assembled: &AssembledScene,
 ) -> bool {
+    let time = checkpoint.world.state.time;
+    hash(before, assembled) == checkpoint.hash && scenes_agree_until(before, next, time)
+}
+
+/// Whether two scenes are the same but for what their clamps do after a time, s, and for how long they last: a run of the one can then go
+/// on from its checkpoint at that time as one of the other.
+pub fn scenes_agree_until(before: &Scene, next: &Scene, time: f64) -> bool {
+    let mut clamps = (before.clamp.iter()).zip(&next.clamp);
     // What moves on an arc moves otherwise from the start where any key frame does.
-    let clamps = (before.clamp.iter()).zip(&next.clamp);
-    if clamps.clone().any(|(b, _)| b.arc) || hash(before, assembled) != checkpoint.hash {
+    if clamps.clone().any(|(b, _)| b.arc) {
         return false;
     }
     let mut same_keys = next.clone();
@@ -25,12 +32,11 @@ pub(super) fn is_steered(
     for (to, from) in same_keys.clamp.iter_mut().zip(&before.clamp) {
         to.key.clone_from(&from.key);
     }
-    let time = checkpoint.world.state.time;
-    same_keys == *before && { clamps }.all(|(b, n)| agree_until(&b.key, &n.key, time))
+    same_keys == *before && clamps.all(|(b, n)| keys_agree_until(&b.key, &n.key, time))
 }
 
 /// Whether two lists of key frames mean the same motion until a time, s, bit for bit.
-fn agree_until(a: &[KeyFrame], b: &[KeyFrame], time: f64) -> bool {
+fn keys_agree_until(a: &[KeyFrame], b: &[KeyFrame], time: f64) -> bool {
     if a.is_empty() || b.is_empty() {
         return a == b;
     }
@@ -55,12 +61,13 @@ mod tests {
         };
         let old = [key(0.0, 0.0), key(0.1, 1.0), key(0.2, 2.0)];
         let new = [key(0.0, 0.0), key(0.1, 1.0), key(0.2, -2.0), key(0.4, 0.0)];
-        let agree = |time| agree_until(&old, &new, time);
+        let agree = |time| keys_agree_until(&old, &new, time);
         assert!(agree(0.0) && agree(0.05) && agree(0.1));
         // The interval to the third key has begun.
         assert!(!agree(0.11) && !agree(0.2) && !agree(0.3));
-        assert!(agree_until(&old, &old, 0.9));
-        assert!(agree_until(&old[..2], &old, 0.1) && !agree_until(&old[..2], &old, 0.15));
-        assert!(agree_until(&[], &[], 0.5) && !agree_until(&[], &old, 0.0));
+        assert!(keys_agree_until(&old, &old, 0.9));
+        assert!(keys_agree_until(&old[..2], &old, 0.1));
+        assert!(!keys_agree_until(&old[..2], &old, 0.15));
+        assert!(keys_agree_until(&[], &[], 0.5) && !keys_agree_until(&[], &old, 0.0));
     }
 }

@@ -24,10 +24,10 @@ const END_ZONE: f64 = 1.5;
 const CLEAR: f64 = 0.01;
 
 impl EndFace {
-    /// A far end sawn straight at a length along the axis, m.
-    pub fn level(height: f64) -> Self {
+    /// An end, the far one or the near one, sawn straight at a length along the axis, m.
+    pub fn level(far: bool, height: f64) -> Self {
         EndFace {
-            far: true,
+            far,
             height,
             slope: DVec2::ZERO,
             clearance: 0.0,

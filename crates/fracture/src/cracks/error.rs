@@ -19,9 +19,11 @@ pub enum CrackError {
     },
     /// Too little wood beyond the break to saw its end off straight.
     #[error(
-        "the far end is no face that cracks can be cut into, and {left:.3} m of wood that can be cut beyond the break are too little to saw it off straight: {needed:.3} m are needed; break nearer to the base, or crack the break itself (crack_groups.end = \"break\")"
+        "the {which} end is no face that cracks can be cut into, and {left:.3} m of wood that can be cut beyond the break are too little to saw it off straight: {needed:.3} m are needed; break farther from that end, or crack the break itself (crack_groups.end = \"break\")"
     )]
     TooShort {
+        /// "far" or "near".
+        which: &'static str,
         /// Length beyond the break that can be cut, m.
         left: f64,
         /// The least length that is needed, m.
@@ -37,6 +39,11 @@ pub enum CrackError {
         /// Points found.
         found: usize,
     },
+    /// The stem grows out of other wood at its base.
+    #[error(
+        "the stem has no end at its base that cracks could be cut into: it grows out of other wood there; crack its tip (crack_groups.end = \"sawn\"), or the break itself (crack_groups.end = \"break\")"
+    )]
+    GrowsOn,
     /// The caller cancelled.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -17,8 +17,10 @@ choices! {
     pub enum CrackEnd {
         /// The broken face.
         Break = "break",
-        /// A sawn end, as after pruning.
+        /// The sawn end at the tip, as after pruning.
         Sawn = "sawn",
+        /// The sawn end at the base, as of a log.
+        Base = "base",
     }
 }
 
@@ -236,7 +238,7 @@ parameters! {
     /// What holds for all cracks, and the three groups of them.
     pub struct CrackSettings {
         "cracks", "cut" {
-            /// Which end carries the cracks: "break" or "sawn".
+            /// Which end carries the cracks: the broken face, the sawn end at the tip, or that at the base.
             end: CrackEnd = CrackEnd::Break, choice(CrackEnd::CHOICES).stage("stem");
             /// Random displacement of the cracks' course, radial and tangential (section 4.1, Fig.
             /// 12(b)).

@@ -277,7 +277,7 @@ impl Chain {
                 let opened = self.opened.get(key, ids, |_| {
                     let silent = context.silenced();
                     let p = &requested.recipe.face;
-                    open_end(&stage.sound, p, &cracks.plan, inner_material, &silent)
+                    open_end(&stage.sound, p, cracks.at_end(), inner_material, &silent)
                 })?;
                 changes.note(BreakStage::Stem, opened.is_new);
                 (stage.opened, id) = (Some(opened.value), opened.id);

@@ -277,6 +277,61 @@ fn cracked_ends_of_any_stem_are_sound_in_the_file() {
     assert!(faulty.into_inner() <= 1);
 }
 
+/// The same at the base; of the pole it is no flat face either.
+#[test]
+fn cracks_open_the_end_at_the_base_as_that_at_the_tip() {
+    let coarse = primitive::BranchOptions {
+        around: 32,
+        ..Default::default()
+    };
+    let bodies = [
+        ("branch", primitive::branch(&coarse), false),
+        ("board", primitive::board(0.6, 0.09, 0.03), false),
+        ("pole", pole_mesh(), true),
+    ];
+    for (seed, (name, mesh, torn)) in bodies.into_iter().enumerate() {
+        let mut request = request(0.6, &Default::default());
+        request.texture_width = 64;
+        let recipe = &mut request.breaks[0].recipe;
+        recipe.cracks = random(2100 + seed as u64);
+        recipe.cracks.settings.set_text("end", "base").unwrap();
+        recipe.face.set_text("rings", "8").unwrap();
+        recipe.face.set_text("sectors", "16").unwrap();
+        let broken = break_scene(scene(mesh, 1.0), &request, &Context::quiet());
+        let broken = broken.unwrap_or_else(|e| panic!("{name}: {e}"));
+        let report = &broken.report;
+        let said = |text: &str| report.notes.iter().any(|n| n.contains(text));
+        assert_eq!(said("sawn off straight"), torn, "{name}");
+        assert!(said("end at the base"), "{name}: {:?}", report.notes);
+        assert!(report.crack_volume_m3.unwrap() > 0.0, "{name}");
+        let ([lower, upper], at) = (
+            [0, 1].map(|i| &broken.scene.nodes[i].mesh),
+            broken.end.unwrap(),
+        );
+        for piece in [lower, upper] {
+            assert!(piece.check().is_solid(), "{name}: {}", piece.check());
+        }
+        // It faces away from the upper piece, and lies at the lower one.
+        let nearest = |mesh: &Mesh| {
+            let off = |p: &glam::DVec3| p.distance(at.middle);
+            mesh.positions.iter().map(off).fold(f64::INFINITY, f64::min)
+        };
+        assert!(
+            nearest(lower) < at.radius && nearest(upper) > at.radius,
+            "{name}"
+        );
+        let middle = upper.positions.iter().sum::<glam::DVec3>() / upper.positions.len() as f64;
+        assert!((middle - at.middle).dot(at.outward) < 0.0, "{name}");
+        let pieces: f64 = report.pieces.iter().filter_map(|p| p.volume_m3).sum();
+        let whole = report.input.volume_m3.unwrap() - report.crack_volume_m3.unwrap();
+        let off = pieces / whole - 1.0;
+        assert!(
+            if torn { off < 0.0 } else { off.abs() < 1e-6 },
+            "{name}: {off}"
+        );
+    }
+}
+
 /// One radial crack from 0.2 to 0.9, distorted by nothing: ∫ ½ · width · depth along the radius.
 #[test]
 fn a_radial_crack_takes_out_the_volume_of_its_formula() {

@@ -17,7 +17,7 @@ use greenstick_wood::noise;
 use greenstick_wood::stem::{
     CarriedShell, CrossSection, StemError, StemLocation, StemOptions, find_stem,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -61,6 +61,9 @@ const MIN_REMAINING: f64 = 1.0;
 /// Wood between the bottom of the deepest crack of an end and the highest point of a break, in radii: beside cracks the
 /// wood is thin.
 const BREAK_CLEARANCE: f64 = 0.05;
+/// How far below the saw, and from the axis there, an end of a stem may still reach, in radii: buttresses of a stump do, the trunk that a
+/// limb grows on goes on.
+const OWN_END: f64 = 4.0;
 /// Step by which the stem is looked for back from the saw, in radii.
 const SEARCH_STEP: f64 = 0.25;
 
@@ -191,57 +194,86 @@ pub fn crack_end(
     })
 }
 
-/// Saws the far end off straight, as near to it as the stem can be cut, and cracks the sawn face. What is sawn off is
-/// discarded.
+/// Saws an end, the far one or the near one, off straight, as near to it as the stem can be cut, and cracks the sawn face. What is sawn
+/// off is discarded.
 ///
 /// # Errors
-/// [`BreakError::Crack`] where too little of the stem is left beyond the break, [`BreakError::Cut`] where the mesh is
-/// open or not a manifold there, and [`BreakError::Cancelled`].
+/// [`BreakError::Crack`] where too little of the stem is left beyond the break, or where it grows out of other wood at its base,
+/// [`BreakError::Cut`] where the mesh is open or not a manifold there, and [`BreakError::Cancelled`].
 pub fn saw_and_crack_end(
     stem: &PreparedStem,
     p: &BreakParameters,
-    plan: &CrackPlan,
+    (plan, far): (&CrackPlan, bool),
     material: u32,
     context: &Context,
 ) -> Result<CrackedEnd, BreakError> {
     let found = &stem.found.stem;
     let (low, high) = found.usable;
-    let level = high - SAW_FROM_END * found.radius;
-    if level - found.location < MIN_REMAINING * found.radius {
+    let (sign, outmost) = if far { (1.0, high) } else { (-1.0, low) };
+    let level = outmost - sign * SAW_FROM_END * found.radius;
+    if sign * (level - found.location) < MIN_REMAINING * found.radius {
         return Err(CrackError::TooShort {
-            left: high - found.location,
+            which: if far { "far" } else { "near" },
+            left: sign * (outmost - found.location),
             needed: (SAW_FROM_END + MIN_REMAINING) * found.radius,
         }
         .into());
+    }
+    if !far && grows_on(stem, level) {
+        return Err(CrackError::GrowsOn.into());
     }
     let bundles = end_layout(stem);
     let flat = FractureSurface {
         heights: vec![[level; 3]; bundles.layout.facets.len()],
         layout: Arc::clone(&bundles.layout),
     };
+    let nearest = found.location + CRACKS_REACH * (level - found.location);
+    let (usable, direction) = match far {
+        true => ((low.max(nearest), high), Direction::Down),
+        false => ((low, high.min(nearest)), Direction::Up),
+    };
     let site = CrackSite {
         radius: found.radius,
-        usable: (
-            low.max(found.location + CRACKS_REACH * (level - found.location)),
-            high,
-        ),
+        usable,
         level: f64::INFINITY,
     };
     let plan = fit_to_section(stem, plan);
     let inner = end_wood(stem, p, &bundles, material);
-    let lower_piece = |plan: &CrackPlan| -> Result<(Mesh, GroovedSurface), BreakError> {
-        let made = grooves(plan, &found.rings, &flat, Direction::Down, &site, context)?;
+    let kept = |plan: &CrackPlan| -> Result<(Mesh, GroovedSurface), BreakError> {
+        let made = grooves(plan, &found.rings, &flat, direction, &site, context)?;
         let cracked = cut_along((stem, &inner), made, true, context)?;
-        Ok((cracked.piece(stem, &inner, false), cracked.grooves))
+        Ok((cracked.piece(stem, &inner, !far), cracked.grooves))
     };
-    let (mesh, made) = lower_piece(&plan)?;
-    let (whole, _) = lower_piece(&CrackPlan::default())?;
+    let (mesh, made) = kept(&plan)?;
+    let (whole, _) = kept(&CrackPlan::default())?;
     Ok(CrackedEnd {
         void: whole.volume() - mesh.volume(),
         mesh,
-        end: EndFace::level(level),
+        end: EndFace::level(far, level),
         grooves: made,
     })
+}
+
+/// Whether a stem goes on below a length along its axis (m) as wood that is no part of it, such as the trunk that a limb grows on: wood
+/// that lies farther from its axis, or from that length, than its own end could.
+fn grows_on(stem: &PreparedStem, level: f64) -> bool {
+    let (found, mesh) = (&stem.found, stem.node());
+    let reach = OWN_END * found.stem.radius;
+    let axis = found.stem.grain.axis();
+    let end = axis.frame(level);
+    let is_beyond = |v: u32| {
+        let place = mesh
+            .transform
+            .transform_point3(mesh.mesh.positions[v as usize]);
+        let off = place - end.origin;
+        let below = -off.dot(end.tangent);
+        let aside = (off + end.tangent * below).length();
+        below > 0.0 && (below > reach || aside > reach)
+    };
+    let limb: BTreeSet<u32> = found.limb.iter().copied().collect();
+    let others = found.shell.iter().filter(|t| !limb.contains(t));
+    let mut others = others.map(|&t| mesh.mesh.triangles[t as usize]);
+    others.any(|corners| corners.iter().all(|&v| is_beyond(v)))
 }
 
 /// Volume of the stem's shell, in cubic units of the node's coordinates.
@@ -268,25 +300,28 @@ pub struct OpenedEnd {
     pub grooves: GroovedSurface,
     /// Volume of the cracks, m³.
     pub void: f64,
+    /// Whether it is the far end (greater lengths).
+    pub far: bool,
     /// Whether the end was sawn off straight first.
     pub sawn_off: bool,
     /// Triangles of other shells that fell with what was sawn off.
     pub fallen: usize,
 }
 
-/// Opens the cracks of `plan` in the far end of a stem, which is sawn off straight where it is no cut face.
+/// Opens the cracks of a plan in an end of a stem, the far one or the near one, which is sawn off straight where it is no cut face.
 ///
 /// # Errors
 /// As [`crack_end`] and [`saw_and_crack_end`], or where the caller cancelled.
 pub fn open_end(
     stem: &PreparedStem,
     p: &BreakParameters,
-    plan: &CrackPlan,
+    (plan, far): (&CrackPlan, bool),
     material: u32,
     context: &Context,
 ) -> Result<OpenedEnd, BreakError> {
-    let (made, sawn_off) = match crack_end(stem, p, plan, true, material, context) {
+    let (made, sawn_off) = match crack_end(stem, p, plan, far, material, context) {
         Err(BreakError::Cut { .. } | BreakError::Crack(CrackError::NoEnd { .. })) => {
+            let plan = (plan, far);
             (saw_and_crack_end(stem, p, plan, material, context)?, true)
         }
         made => (made?, false),
@@ -299,26 +334,34 @@ pub fn open_end(
     let middle = nearest.map_or(found.rings.pith(), |s| s.centroid);
     let end = EndOfStem {
         middle: stem.layers.to_world(middle.extend(made.end.at(middle))),
-        outward: found.grain.axis().frame(found.length).tangent,
+        outward: match far {
+            true => found.grain.axis().frame(found.length).tangent,
+            false => -found.grain.axis().frame(0.0).tangent,
+        },
         radius: nearest.map_or(found.radius, |s| {
             let distance = |p: &DVec2| p.distance(s.centroid);
             s.contour.iter().map(distance).fold(0.0, f64::max)
         }),
     };
-    let clear = height - made.grooves.deepest - BREAK_CLEARANCE * found.radius;
-    let fallen = if sawn_off {
+    let deep = made.grooves.deepest + BREAK_CLEARANCE * found.radius;
+    // What hangs on the wood at the base stays where it is.
+    let fallen = if sawn_off && far {
         fallen_shells(stem, height, context)?
     } else {
         Vec::new()
     };
     let mut cracked = replace_shell(stem, made.mesh, &fallen, context)?;
     let usable = &mut cracked.found.stem.usable;
-    usable.1 = usable.1.min(clear);
+    match far {
+        true => usable.1 = usable.1.min(height - deep),
+        false => usable.0 = usable.0.max(height + deep),
+    }
     Ok(OpenedEnd {
         void: made.void * stem.volume_scale(),
         stem: cracked,
         end,
         grooves: made.grooves,
+        far,
         sawn_off,
         fallen: fallen.iter().map(|shell| shell.triangles.len()).sum(),
     })

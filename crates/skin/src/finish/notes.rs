@@ -48,7 +48,12 @@ pub(super) fn notes_on_cracks(stages: &BreakStages) -> Vec<BreakNote> {
             let fallen = opened.fallen;
             notes.push(BreakNote::EndSawnOff { fallen });
         }
-        notes.extend(BreakNote::on_grooves("sawn end", &opened.grooves));
+        let face = if opened.far {
+            "sawn end"
+        } else {
+            "end at the base"
+        };
+        notes.extend(BreakNote::on_grooves(face, &opened.grooves));
     }
     if let Some(faces) = &stages.cut.cracked {
         let [lower, upper] = &**faces;

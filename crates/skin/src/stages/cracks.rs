@@ -11,6 +11,8 @@ pub struct Cracks {
     pub plan: CrackPlan,
     /// Whether they open at a sawn end instead of at the break.
     pub sawn: bool,
+    /// Whether that end is the one at the tip, not that at the base.
+    pub far: bool,
     /// The shrinkage that opens them.
     pub shrinkage: CrackShrinkage,
     /// The number of tangential cracks that were moved to a ring boundary.
@@ -58,9 +60,15 @@ impl Cracks {
                 (shrinkage.tangential, shrinkage.radial),
                 recipe.face.seed,
             ),
-            sawn: recipe.cracks.settings.end == CrackEnd::Sawn,
+            sawn: recipe.cracks.settings.end != CrackEnd::Break,
+            far: recipe.cracks.settings.end != CrackEnd::Base,
             shrinkage,
             moved,
         }))
+    }
+
+    /// Where they run, and whether in the far end.
+    pub fn at_end(&self) -> (&CrackPlan, bool) {
+        (&self.plan, self.far)
     }
 }

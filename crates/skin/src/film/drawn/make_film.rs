@@ -221,16 +221,33 @@ impl Run {
         options: &FilmOptions,
         context: &Context,
     ) -> Result<SkinnedFilm, FilmError> {
+        let [making, rigid] = context.split([
+            (Stage::new("pieces"), 3.0),
+            (Stage::new("rigid pieces"), 1.0),
+        ]);
+        let mut skinned = self.film_that_bends(range, drawn, options, &making)?;
+        let spacing = self.wood().spacing();
+        skinned.bind_rigid_pieces(RIGID_TOLERANCE * spacing, &rigid)?;
+        Ok(skinned)
+    }
+
+    /// The same, without asking whether pieces keep their shape in the frames of the range: they may bend in later ones.
+    pub(super) fn film_that_bends(
+        &mut self,
+        range: Range<usize>,
+        drawn: &DrawnScene,
+        options: &FilmOptions,
+        context: &Context,
+    ) -> Result<SkinnedFilm, FilmError> {
         let count = self.frames.count();
         if range.is_empty() || range.end > count {
             let number = range.end.saturating_sub(1);
             return Err(FilmError::NoSuchFrame { number, count });
         }
-        let [breaks, binding, pieces, rigid] = context.split([
+        let [breaks, binding, pieces] = context.split([
             (Stage::new("breaks"), 1.0),
             (Stage::new("skin"), 1.0),
             (Stage::new("pieces"), 1.0),
-            (Stage::new("rigid pieces"), 1.0),
         ]);
         let history = self.break_history(range.clone(), &breaks)?;
         binding.report(0.0)?;
@@ -275,14 +292,12 @@ impl Run {
             piece.gape_m = gape;
         }
         add_extras(&mut film, &report);
-        let mut skinned = SkinnedFilm {
+        Ok(SkinnedFilm {
             film,
             motion,
             report,
             inner: drawn.inner,
-        };
-        skinned.bind_rigid_pieces(RIGID_TOLERANCE * spacing, &rigid)?;
-        Ok(skinned)
+        })
     }
 
     /// Returns a film with the materials of a scene and the bodies of a frame, and the numbers of those that move.

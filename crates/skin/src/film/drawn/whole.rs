@@ -36,7 +36,7 @@ impl Run {
             fractures: &[],
             observed: &self.observed(0)?,
         };
-        self.film_of_faces(0..1, &drawn, options, context)
+        self.film_that_bends(0..1, &drawn, options, context)
     }
 
     /// The input, whose stem has the coordinates along its grain that pictures need.
