@@ -216,7 +216,9 @@ pub fn embed_images(scene: &mut Scene, find: Resolve) {
                 }
             }
             Err(error) => {
-                let note = format!("texture {reference} remains a reference: {error}");
+                let note = format!(
+                    "the texture {reference} could not be read beside the mesh ({error}): what is written refers to it by the same name"
+                );
                 if !scene.notes.contains(&note) {
                     scene.notes.push(note);
                 }

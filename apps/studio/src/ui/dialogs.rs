@@ -15,10 +15,11 @@ use greenstick::schema::Value;
 const PROJECT_ENDING: &str = ".greenstick.toml";
 
 /// What the mouse does.
-const MOUSE: [(&str, &str); 10] = [
+const MOUSE: [(&str, &str); 11] = [
     ("Drag, or middle drag", "turns"),
     ("Shift drag, right drag, or Shift middle drag", "shifts"),
-    ("Wheel, or Ctrl middle drag", "goes nearer and farther"),
+    ("Wheel", "goes nearer to what is under the pointer, and farther"),
+    ("Ctrl middle drag", "goes nearer and farther"),
     ("Two fingers on a touchpad", "turn; with Shift they shift"),
     ("Pinch, or two fingers with Ctrl", "goes nearer and farther"),
     ("Click on the stem", "breaks it there"),
