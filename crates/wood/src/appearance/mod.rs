@@ -19,6 +19,7 @@ mod splits;
 mod stem;
 mod surface;
 mod tints;
+mod tissues;
 mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};
