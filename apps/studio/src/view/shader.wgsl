@@ -577,7 +577,7 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
         let uneven = thick * (0.5 * u1 + 0.32 * u2);
         let wavy = rho + 0.008 * ragged + uneven + 0.006 * bundles.tone;
         // The two edges wander apart.
-        let outer = rho + 0.008 * ragged - 0.8 * uneven;
+        let outer = rho + 0.008 * ragged - uneven;
         // Bark comes off at the cambium: a face that looks outwards is wood, with strings of inner bark.
         let outwards = dot(facing, across) / max(length(facing) * length(across), 1e-9);
         let peeled = smoothstep(0.15, 0.5, outwards) * (1.0 - end);

@@ -24,7 +24,7 @@ const BAST_SHARE: f64 = 0.75;
 /// and how far the edge of the outer bark wanders over that of the inner bark, to the other side.
 const SAPWOOD_PASSAGE: f64 = 0.012;
 const SAPWOOD_STRINGS: f64 = 0.006;
-const CORK_WANDER: f64 = 0.8;
+const CORK_WANDER: f64 = 1.0;
 /// Width of the strings that barks are made of, m, and at least over the radius: those of a thick stem are coarse.
 const BARK_STRING: f64 = 1.1e-3;
 const COARSE_BARK: f64 = 0.02;
