@@ -10,7 +10,6 @@ mod bark;
 mod crushed;
 mod shards;
 
-use self::crushed::BRITTLE_STEPS;
 use crate::ends::{EndNode, TornEnd, TornEnds};
 use crate::field::HeightField;
 use crate::height_model::{HeightModel, NoiseSamplers, unit};
@@ -102,6 +101,8 @@ const FOLD_HEIGHT: f64 = 0.4;
 const CRUSHED_ROUGHNESS: f64 = 0.07;
 /// Height of the terraces of brittle wood over that of its steps.
 const BRITTLE_TERRACES: f64 = 1.7;
+/// What those terraces are made of: clumps as large as slivers, and steps from ring to ring.
+const BRITTLE_STEPS: (f64, f64) = (0.7, 0.05);
 /// How much of the noise of torn wood crushed wood has, and how much of a fold's height a bundle has from its middle: fibres that
 /// broke beside each other are no rounded hill.
 const CRUSHED_NOISE: f64 = 0.25;

@@ -386,10 +386,9 @@ fn boundary(
         if inside.is_none() {
             return 0.0;
         }
-        let unevenness = if inside.is_some_and(|band| band.at_ring) {
-            RING_UNEVENNESS
-        } else {
-            UNEVENNESS
+        let unevenness = match inside.is_some_and(|band| band.at_ring) {
+            true => RING_UNEVENNESS,
+            false => UNEVENNESS,
         };
         unevenness
             * fineness

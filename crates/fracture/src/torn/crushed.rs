@@ -10,11 +10,9 @@ use greenstick_wood::noise;
 const FOLD_WIDTH: f64 = 0.17;
 /// Height of the terraces of crushed wood over the compression height.
 const CRUSHED_TERRACES: f64 = 3.0;
-/// What terraces of crushed and of brittle wood are made of: clumps as large as slivers, and steps from ring to ring, along which crushed
-/// wood is sheared off.
+/// What its terraces are made of: clumps as large as slivers, and steps from ring to ring, along which it is sheared off.
 const CRUSHED_STEPS: (f64, f64) = (0.35, 0.25);
-pub(super) const BRITTLE_STEPS: (f64, f64) = (0.7, 0.05);
-/// The same of clumps as large as parts of slivers, in both.
+/// The same of clumps as large as parts of slivers, in crushed and in brittle wood.
 const CLUMPS: f64 = 0.15;
 /// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
 const CRUSHED_PARTS: f64 = 0.1;

@@ -19,6 +19,7 @@ mod splits;
 mod stem;
 mod surface;
 mod tints;
+mod tissue_blend;
 mod tissues;
 mod wood;
 

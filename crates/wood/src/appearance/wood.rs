@@ -3,7 +3,7 @@
 use super::bark_kinds::BarkKind;
 use super::mix::mix;
 use super::surface::WoodSurface;
-use super::tissues::TissueBlend;
+use super::tissue_blend::TissueBlend;
 use crate::colour::linear_from_srgb as srgb;
 use crate::noise::{Forgetful, NoiseMemory, Noises};
 use crate::rings::{ConcentricRings, RingSource, StemAddress};
