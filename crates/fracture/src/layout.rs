@@ -13,6 +13,7 @@ mod smooth;
 
 pub use angle::wrap_angle;
 pub use bundles::{FibreBundle, FibreBundles, LayoutOptions};
+pub(crate) use fibrous::BEYOND_BARK;
 pub use fibrous::fibrous;
 pub use skin_depth::{InnerEdge, SkinDepth, SkinPoint};
 pub use smooth::smooth;

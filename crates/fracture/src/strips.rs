@@ -1,7 +1,7 @@
 //! Strips of bark: bark tears along its furrows, each strip at a height of its own, some peeled back and some standing
 //! over the wood as flaps.
 
-use crate::layout::FibreBundles;
+use crate::layout::{BEYOND_BARK, FibreBundles};
 use crate::parameters::BreakParameters;
 use glam::DVec2;
 use greenstick_wood::noise;
@@ -155,7 +155,8 @@ pub(crate) fn thickness(bundles: &FibreBundles, (pith, radius): (DVec2, f64)) ->
     let layout = &bundles.layout;
     let mut thick = vec![0.0; layout.nodes.len()];
     let outermost = (bundles.addresses.iter()).fold(0.0, |most: f64, a| most.max(a.0));
-    let is_beyond = |n: u32| bundles.addresses[n as usize].0 == outermost;
+    let beyond = outermost.min(BEYOND_BARK);
+    let is_beyond = |n: u32| bundles.addresses[n as usize].0 >= beyond;
     let from_pith = |n: u32| layout.nodes[n as usize].distance(pith) / radius;
     for (facet, &cell) in layout.facets.iter().zip(&layout.cells) {
         if !bundles.bundles[cell as usize].bark {
@@ -166,6 +167,17 @@ pub(crate) fn thickness(bundles: &FibreBundles, (pith, radius): (DVec2, f64)) ->
         for &n in facet.iter().filter(|&&n| is_beyond(n) && inside > 0.0) {
             let from_wood = (from_pith(n) - inside).min(THICKEST);
             thick[n as usize] = from_wood.max(thick[n as usize]);
+        }
+    }
+    // What lies farther out than the bark goes on as that ends.
+    for (facet, &cell) in layout.facets.iter().zip(&layout.cells) {
+        if bundles.bundles[cell as usize].bark && facet.iter().all(|&n| is_beyond(n)) {
+            let at_bark = (facet.iter()).fold(0.0, |most: f64, &n| most.max(thick[n as usize]));
+            for &n in facet {
+                if bundles.addresses[n as usize].0 == outermost {
+                    thick[n as usize] = at_bark;
+                }
+            }
         }
     }
     thick

@@ -98,11 +98,11 @@ const LAYER_RUN_OUT: f64 = 0.055;
 const LAYER_SHARE: f64 = 0.6;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
 const FOLD_HEIGHT: f64 = 0.4;
-const CRUSHED_ROUGHNESS: f64 = 0.14;
+const CRUSHED_ROUGHNESS: f64 = 0.07;
 /// Height of the terraces of brittle wood over that of its steps.
 const BRITTLE_TERRACES: f64 = 1.7;
-/// Height of steps from ring to ring in terraces of crushed and of brittle wood.
-const RING_STEPS: (f64, f64) = (0.15, 0.05);
+/// What those terraces are made of: clumps as large as slivers, and steps from ring to ring.
+const BRITTLE_STEPS: (f64, f64) = (0.7, 0.05);
 /// How much of the noise of torn wood crushed wood has, and how much of a fold's height a bundle has from its middle: fibres that
 /// broke beside each other are no rounded hill.
 const CRUSHED_NOISE: f64 = 0.25;
@@ -353,7 +353,7 @@ impl<'a> TornRelief<'a> {
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)
             + up * 0.6 * length * heavy(drop)
             + splintered * p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
-            + self.brittle * BRITTLE_TERRACES * p.step_height * self.terrace(end, RING_STEPS.1)
+            + self.brittle * BRITTLE_TERRACES * p.step_height * self.terrace(end, BRITTLE_STEPS)
             + fibre * (off - 0.5)
             + up * outline * strand(far, off);
         let cleft = up

@@ -29,10 +29,13 @@ use strand::StrandMesh;
 /// where wood was crushed and where it was torn.
 const HAIRS: f64 = 7.5e5;
 const SLIVERS: f64 = 1.6e5;
-const CRUSHED_STUBS: f64 = 1.1e6;
-const TORN_STUBS: f64 = 1.5e6;
+const CRUSHED_STUBS: f64 = 1.3e6;
+const TORN_STUBS: f64 = 5.0e5;
 /// The same of straps at the torn edge of bark.
 const STRAPS: f64 = 8e5;
+/// Share of straps that bark which broke short lacks, and the part of the height of its walls that counts.
+const FEWER_STRAPS: f64 = 0.9;
+const SHORT_BARK: f64 = 0.8;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1: of hairs, and of each kind where pieces are apart.
 const MAX_SHARE: f64 = 0.6;
 const MAX_SHARES_APART: [f64; 4] = [0.2, 0.14, 0.3, 0.12];
@@ -178,6 +181,12 @@ fn torn_triangles(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<T
         }
         (points, highest)
     });
+    let highest_beside = |triangle: usize| {
+        let beside = around.as_ref().map(|(points, highest)| {
+            piece.triangles[triangle].map(|v| highest[points[v as usize] as usize])
+        });
+        beside.into_iter().flatten().fold(0.0, f64::max)
+    };
     let on = |triangle: usize| {
         let height = rise(triangle);
         let torn = torn_at(height);
@@ -200,7 +209,9 @@ fn torn_triangles(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<T
             is_wall: steepness >= SIDE_GRAIN,
         };
         if options.apart && face.zone(triangle) == BARK {
-            made.strands[3] = STRAPS * density * area;
+            // Where it broke short, hardly a string hangs on.
+            let short = 1.0 - torn_at(SHORT_BARK * highest_beside(triangle));
+            made.strands[3] = STRAPS * density * area * (1.0 - FEWER_STRAPS * short);
         }
         if steepness >= SIDE_GRAIN && torn > 0.0 {
             let tufts = DVec3::new(1.0 / TUFT.0, 1.0 / TUFT.0, 1.0 / TUFT.1) / size;
@@ -213,11 +224,8 @@ fn torn_triangles(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<T
                     SLIVERS * per_area * of_wood * smoothstep(low * size, high * size, height);
             }
         }
-        if steepness < END_GRAIN
-            && let Some((points, highest)) = &around
-        {
-            let beside = piece.triangles[triangle].map(|v| highest[points[v as usize] as usize]);
-            let torn = torn_at(beside.into_iter().fold(0.0, f64::max));
+        if steepness < END_GRAIN && around.is_some() {
+            let torn = torn_at(highest_beside(triangle));
             made.crushed = 1.0 - torn;
             let tuft = gradient_3d(options.seed ^ PURPOSE, middle / (BARE * size), 0).0;
             let clumped = 0.2 + 0.8 * smoothstep(-0.3, 0.15, tuft);

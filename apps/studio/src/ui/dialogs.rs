@@ -18,7 +18,10 @@ const PROJECT_ENDING: &str = ".greenstick.toml";
 const MOUSE: [(&str, &str); 11] = [
     ("Drag, or middle drag", "turns"),
     ("Shift drag, right drag, or Shift middle drag", "shifts"),
-    ("Wheel", "goes nearer to what is under the pointer, and farther"),
+    (
+        "Wheel",
+        "goes nearer to what is under the pointer, and farther",
+    ),
     ("Ctrl middle drag", "goes nearer and farther"),
     ("Two fingers on a touchpad", "turn; with Shift they shift"),
     ("Pinch, or two fingers with Ctrl", "goes nearer and farther"),

@@ -472,18 +472,21 @@ fn bundles_at(place: vec3<f32>, facing: vec2<f32>, footprint: f32) -> Bundles {
     var out: Bundles;
     var slope = vec2<f32>(0.0);
     for (var n = 0; n < 3; n++) {
-        let seen = visible(1.25 * widths[n], footprint);
+        // A thick stem tears into wider slivers.
+        let coarse = select(1.0, clamp(wood.edges.x / 0.04, 1.0, 8.0), n == 0 && wood.edges.y > 0.0);
+        let width = widths[n] * coarse;
+        let seen = visible(1.25 * width, footprint);
         if (seen <= 0.0) { break; }
         let seed = wood.seed.x ^ 0xb0u ^ (u32(n) << 8u);
-        let z = place.z / (widths[n] * stretches[n]);
-        let at = flat / widths[n];
+        let z = place.z / (width * stretches[n]);
+        let at = flat / width;
         let line = interval_at(seed, z, at.y, -0x40000000);
         let row = i32(line.x);
         let column = interval_at(seed ^ 0x10000u, z, at.x, row);
         let number = i32(column.x);
         let is_low = at.x - column.y < column.z - at.x;
         let off = min(at.x - column.y, column.z - at.x);
-        let soft = 0.5 * footprint / widths[n];
+        let soft = 0.5 * footprint / width;
         let own = along_at(seed ^ 0x20000u, z, number, row);
         var tone = own;
         if (off < soft) {
@@ -494,7 +497,7 @@ fn bundles_at(place: vec3<f32>, facing: vec2<f32>, footprint: f32) -> Bundles {
         out.tone += tone * tones[n] * seen;
         let over_x = roof_at(column, at.x, own);
         let over_y = roof_at(line, at.y, own);
-        slope += vec2<f32>(over_x.y * over_y.x, over_x.x * over_y.y) * (4.0 * tilts[n] * visible(0.5 * widths[n], footprint));
+        slope += vec2<f32>(over_x.y * over_y.x, over_x.x * over_y.y) * (4.0 * tilts[n] * visible(0.5 * width, footprint));
         let wide = max(0.05, soft);
         if (n < 2 && off < wide) {
             let open = along_at(seed ^ 0x20000u, z, number + select(1, 0, is_low), row ^ 0x55555);
@@ -507,7 +510,7 @@ fn bundles_at(place: vec3<f32>, facing: vec2<f32>, footprint: f32) -> Bundles {
 }
 
 fn tissue(color: vec3<f32>, tissue_color: vec3<f32>, speck: f32, shade: f32, end: f32, inside: f32) -> vec3<f32> {
-    return mix(color, tissue_color * ((1.0 + speck + 0.8 * shade) * (1.0 - 0.15 * end)), inside);
+    return mix(color, tissue_color * ((1.0 + speck + 1.5 * shade) * (1.0 - 0.15 * end)), inside);
 }
 
 // The tint of the wood: strips between cream and pink, streaks that are soaked, and moist sapwood beside the bark.
@@ -553,7 +556,7 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
     }
     var color = mix(wood.sapwood.rgb, wood.heartwood.rgb, heart);
     color *= tint_at(place, rho, bundles.tone);
-    color *= mix(vec3<f32>(1.0), wood.latewood.rgb / max(wood.sapwood.rgb, vec3<f32>(1e-3)), late);
+    color *= max(mix(vec3<f32>(1.0), wood.latewood.rgb / max(wood.sapwood.rgb, vec3<f32>(1e-3)), 1.8 * late), vec3<f32>(0.1));
     color *= 1.0 - 0.30 * end * (1.0 - 0.25 * late);
     color *= vec3<f32>(1.0) - vec3<f32>(0.50, 0.58, 0.66) * vessel;
     color *= mix(vec3<f32>(0.80, 0.74, 0.68), vec3<f32>(1.22, 1.24, 1.26), end) * ray + (1.0 - ray);
@@ -565,13 +568,17 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
     let soft = max(footprint / radius, 0.004);
     let thick = clamp(wood.rings.x - wood.edges.w, 0.0, 0.1);
     if (rho > wood.edges.w - soft - 0.01 - thick || rho <= wood.edges.y * 1.15 + soft + 0.01) {
-        let ragged = noise(wood.seed.x ^ 0x4bu, place * vec3<f32>(900.0, 900.0, 125.0)).w;
-        let speck = ragged * visible(1.1e-3, footprint);
+        let width = max(1.1e-3, 0.02 * radius);
+        let ragged = noise(wood.seed.x ^ 0x4bu, place / width * vec3<f32>(1.0, 1.0, 1.0 / 7.3)).w;
+        let speck = ragged * visible(width, footprint);
         let in_pith = 1.0 - smoothstep(wood.edges.y * 0.7 - soft, wood.edges.y * 1.15 + soft, rho + 0.008 * ragged);
         color = tissue(color, wood.pith.rgb, 0.22 * speck, streaks.shade, end, in_pith * step(1e-6, wood.edges.y));
         let u1 = noise(wood.seed.x ^ 0x14bu, place / (0.5 * radius) * vec3<f32>(1.0, 1.0, 0.25)).w;
         let u2 = noise(wood.seed.x ^ 0x24bu, place / (0.13 * radius) * vec3<f32>(1.0, 1.0, 0.25)).w;
-        let wavy = rho + 0.008 * ragged + thick * (0.5 * u1 + 0.32 * u2);
+        let uneven = thick * (0.5 * u1 + 0.32 * u2);
+        let wavy = rho + 0.008 * ragged + uneven + 0.006 * bundles.tone;
+        // The two edges wander apart.
+        let outer = rho + 0.008 * ragged - uneven;
         // Bark comes off at the cambium: a face that looks outwards is wood, with strings of inner bark.
         let outwards = dot(facing, across) / max(length(facing) * length(across), 1e-9);
         let peeled = smoothstep(0.15, 0.5, outwards) * (1.0 - end);
@@ -579,12 +586,12 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
         // What looks outwards farther from the cambium is inner bark that the outer bark came off.
         let inner = max(wood.rings.x - wood.edges.w, 1e-6);
         let bare = 1.0 - smoothstep(0.35, 0.75, (rho - wood.edges.w) / inner);
-        let in_phloem = smoothstep(wood.edges.w - soft, wood.edges.w + soft, wavy) * (1.0 - peeled * bare * (1.0 - strings));
-        let living = 1.0 - smoothstep(0.0, 0.7, (wavy - wood.edges.w) / inner + 0.3 * bundles.tone);
-        let pale = mix(wood.phloem.rgb, wood.sapwood.rgb * vec3<f32>(0.86, 0.90, 0.72), 0.45);
-        let bast = mix(wood.phloem.rgb * (1.0 + 0.38 * bundles.tone), pale, living);
+        let in_phloem = smoothstep(wood.edges.w - soft - 0.012, wood.edges.w + soft + 0.012, wavy) * (1.0 - peeled * bare * (1.0 - strings));
+        let living = 1.0 - smoothstep(0.0, 1.1, (wavy - wood.edges.w) / inner + 0.45 * bundles.tone);
+        let pale = mix(wood.phloem.rgb, wood.sapwood.rgb * vec3<f32>(0.92, 0.90, 0.80), 0.45);
+        let bast = mix(wood.phloem.rgb * vec3<f32>(0.60, 0.50, 0.42) * (1.0 + 0.38 * bundles.tone), pale, living);
         color = tissue(color, bast, 0.20 * speck, streaks.shade, end, in_phloem);
-        let in_cork = smoothstep(wood.rings.x - soft, wood.rings.x + soft, wavy) * (1.0 - peeled);
+        let in_cork = smoothstep(wood.rings.x - soft, wood.rings.x + soft, outer) * (1.0 - peeled);
         color = tissue(color, wood.cork.rgb, 0.42 * speck, streaks.shade, end, in_cork);
     }
     var look: Look;
@@ -634,27 +641,34 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     let width = wood.bark.x;
     let depth = wood.bark.y;
     let seed = wood.seed.y ^ 0xba7cu;
-    var sizes = array<f32, 4>(1.0, 0.47, 0.19, 1.3);
-    var stretches = array<f32, 4>(5.0, 6.0, 9.0, 0.6);
-    var shares = array<f32, 4>(1.0, 0.50, 0.22, 0.36);
-    var depths = array<f32, 4>(0.49, 0.335, 0.31, 0.096);
+    var sizes = array<f32, 3>(1.0, 0.47, 0.19);
+    var stretches = array<f32, 3>(5.0, 6.0, 9.0);
+    var shares = array<f32, 3>(1.0, 0.50, 0.22);
+    var depths = array<f32, 3>(0.49, 0.335, 0.31);
+    // Ridges are of several widths: the bark is shifted about the stem before furrows are cut.
+    let out = vec3<f32>(place.xy / max(length(place.xy), 1e-6), 0.0);
+    let around = vec3<f32>(-out.y, out.x, 0.0);
+    let uneven_scale = vec3<f32>(1.0, 1.0, 1.0 / 2.6) / (3.4 * width);
+    let uneven = noise(seed ^ 6u, place * uneven_scale);
+    let ridged = place + around * (1.1 * width * uneven.w);
+    let ridged_rise = uneven.xyz * uneven_scale * (1.1 * width);
     // Shallow furrows are narrow.
     let openness = clamp(depth / width / 0.15, 0.35, 1.0);
-    var edges = array<f32, 4>(0.34 * openness, 0.22 * openness, 0.20 * openness, 0.06 * openness);
+    var edges = array<f32, 3>(0.34 * openness, 0.22 * openness, 0.20 * openness);
     var ridge = 1.0;
     var slope = vec3<f32>(0.0);
-    for (var i = 0; i < 4; i++) {
+    for (var i = 0; i < 3; i++) {
         let size = sizes[i] * width;
         // The slope of a furrow's side has to be seen, which is narrower than the ridge.
         let seen = visible(min(1.8 * edges[i], 1.0) * size * min(stretches[i], 1.0), footprint);
         var open = 1.0 - depths[i] * openness;
         if (seen > 0.0) {
             let own = seed ^ (u32(i + 1) << 16u);
-            let shift = noise(own ^ 1u, place * vec3<f32>(0.9, 0.9, 0.35) / size).w;
-            let moved = place + vec3<f32>(shift, -shift, 0.0) * (0.5 * size);
+            let shift = noise(own ^ 1u, ridged * vec3<f32>(0.9, 0.9, 0.35) / size).w;
+            let moved = ridged + vec3<f32>(shift, -shift, 0.0) * (0.5 * size);
             let scale = vec3<f32>(1.0, 1.0, 1.0 / stretches[i]) / size;
             let n = noise(own, moved * scale);
-            let opening = noise(own ^ 2u, place * vec3<f32>(0.7, 0.7, 0.3) / size).w;
+            let opening = noise(own ^ 2u, ridged * vec3<f32>(0.7, 0.7, 0.3) / size).w;
             let widened = 1.0 + 1.1 * opening;
             let edge = edges[i] * max(widened, 0.12);
             let x = min(abs(n.w) / edge, 1.0);
@@ -665,7 +679,8 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
             }
             open = mix(open, 1.0 - share * (1.0 - x * x * (3.0 - 2.0 * x)), seen);
             if (x < 1.0) {
-                slope += n.xyz * scale * sign(n.w) / edge * (share * 6.0 * x * (1.0 - x) * depth * shares[i] * seen);
+                let rise = n.xyz * scale * sign(n.w) / edge;
+                slope += (rise + ridged_rise * dot(rise, around)) * (share * 6.0 * x * (1.0 - x) * depth * shares[i] * seen);
             }
         }
         ridge *= 1.0 - shares[i] * (1.0 - open);
@@ -875,7 +890,9 @@ fn fragment_main(v: Varying, @builtin(front_facing) front: bool) -> @location(0)
             if (is_wood) {
                 // Torn wood is paler and matt.
                 let light = dot(look.color, vec3<f32>(0.2126, 0.7152, 0.0722));
-                look.color = min(mix(look.color, vec3<f32>(light), 0.16) * 1.05, vec3<f32>(1.0));
+                // More so where fibres broke across and stand as a brush.
+                look.color = mix(look.color, vec3<f32>(light), 0.16 + 0.12 * end) * (1.0 + 0.2 * end);
+                look.color = min(look.color, vec3<f32>(1.0));
                 look.roughness = max(look.roughness, 0.82);
             } else if (end > 0.9) {
                 let saw = saw_at(across, footprint);

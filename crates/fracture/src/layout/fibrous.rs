@@ -109,6 +109,7 @@ fn fibrous_with(
         Boundary {
             nodes: vec![(0.0, builder.node(0.0, 0.0))],
             ends: [Vec::new(), vec![0]],
+            before: Vec::new(),
         }
     } else {
         let first = (0, fineness[0]);
@@ -297,6 +298,8 @@ struct Boundary {
     nodes: Vec<(f64, u32)>,
     /// For the band inside, then for the one outside: the index in `nodes` of each wall's end.
     ends: [Vec<usize>; 2],
+    /// Nodes just beyond the bark of the section, one before each of `nodes`; empty where those lie no farther out.
+    before: Vec<u32>,
 }
 
 /// The end of a wall at a boundary.
@@ -351,6 +354,11 @@ fn wall_ends(
 const UNEVENNESS: f64 = 0.36;
 const RING_UNEVENNESS: f64 = 0.12;
 
+/// Ring coordinate of nodes just beyond the bark of the section, and that of the outermost nodes from which on those are needed: bark
+/// breaks on the slant, which facets that reach far beyond it would flatten.
+pub(crate) const BEYOND_BARK: f64 = 1.08;
+const FAR_BEYOND: f64 = 1.3;
+
 /// Makes the nodes of boundary `number` between two bands.
 fn boundary(
     builder: &mut NodeBuilder,
@@ -378,10 +386,9 @@ fn boundary(
         if inside.is_none() {
             return 0.0;
         }
-        let unevenness = if inside.is_some_and(|band| band.at_ring) {
-            RING_UNEVENNESS
-        } else {
-            UNEVENNESS
+        let unevenness = match inside.is_some_and(|band| band.at_ring) {
+            true => RING_UNEVENNESS,
+            false => UNEVENNESS,
         };
         unevenness
             * fineness
@@ -389,6 +396,8 @@ fn boundary(
             * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5)
     };
     let is_outermost = outside.is_none();
+    let is_far = is_outermost && inside.is_some_and(|b| b.bark) && rho > FAR_BEYOND;
+    let mut before = Vec::new();
     let mut add = |nodes: &mut Vec<(f64, u32)>, angle: f64| {
         let node = if is_outermost {
             builder.beyond(options, angle, max_step)
@@ -396,6 +405,9 @@ fn boundary(
             builder.node(rho + jitter(nodes.len()), angle)
         };
         nodes.push((angle, node));
+        if is_far {
+            before.push(builder.node(BEYOND_BARK, angle));
+        }
     };
     let mut result = Boundary {
         nodes: Vec::new(),
@@ -403,6 +415,7 @@ fn boundary(
             vec![0; inside.map_or(0, |b| b.walls.len())],
             vec![0; outside.map_or(0, |b| b.walls.len())],
         ],
+        before: Vec::new(),
     };
     for (i, end) in ends.iter().enumerate() {
         let angle = end.angle;
@@ -424,10 +437,21 @@ fn boundary(
             );
         }
     }
+    result.before = before;
     result
 }
 
 impl Boundary {
+    /// Returns the nodes before a [run](Boundary::run) of the band inside, just beyond the bark; `None` where there are none.
+    fn run_before(&self, run: &[(f64, u32)], j: usize) -> Option<Vec<(f64, u32)>> {
+        let from = self.ends[0][j];
+        let node = |(k, &(angle, _)): (usize, &(f64, u32))| {
+            let node = self.before.get((from + k) % self.nodes.len())?;
+            Some((angle, *node))
+        };
+        run.iter().enumerate().map(node).collect()
+    }
+
     /// Returns the nodes from wall `j` of the band on `side` to the next wall, with unwrapped angles.
     fn run(&self, side: usize, j: usize, around: bool) -> Vec<(f64, u32)> {
         let ends = &self.ends[side];
@@ -491,6 +515,10 @@ fn fill_band(
             }
             low[0].1
         } else {
+            if let Some(before) = outer.run_before(&high, j) {
+                strip(&mut build.facets, &low, &before, &builder.nodes);
+                low = before;
+            }
             strip(&mut build.facets, &low, &high, &builder.nodes);
             if band.bark {
                 crate::surface::NONE

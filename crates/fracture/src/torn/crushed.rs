@@ -1,6 +1,6 @@
 //! Wood that broke across: the folds of crushed wood, and the terraces in which crushed and brittle wood ends.
 
-use super::{RING_STEPS, TornRelief, heavy};
+use super::{TornRelief, heavy};
 use crate::ends::TornEnd;
 use crate::height_model::purpose;
 use glam::DVec2;
@@ -10,13 +10,15 @@ use greenstick_wood::noise;
 const FOLD_WIDTH: f64 = 0.17;
 /// Height of the terraces of crushed wood over the compression height.
 const CRUSHED_TERRACES: f64 = 3.0;
-/// What terraces are made of beside steps from ring to ring: clumps as large as slivers and as their parts.
-const CLUMPS: (f64, f64) = (0.7, 0.15);
+/// What its terraces are made of: clumps as large as slivers, and steps from ring to ring, along which it is sheared off.
+const CRUSHED_STEPS: (f64, f64) = (0.35, 0.25);
+/// The same of clumps as large as parts of slivers, in crushed and in brittle wood.
+const CLUMPS: f64 = 0.15;
 /// By how much the ends of parts of slivers and of bundles differ where they are crushed, in compression heights.
 const CRUSHED_PARTS: f64 = 0.1;
 const CRUSHED_BUNDLES: f64 = 0.06;
 /// Heights of the ends of crushed bundles, in compression heights: of most, and of those that stand out.
-const CRUSHED_BLADE: (f64, f64) = (0.08, 0.3);
+const CRUSHED_BLADE: (f64, f64) = (0.04, 0.15);
 /// Part of a fold's width over which it rises: fibres lean over to one side and break off on the other.
 const FOLD_RISE: f64 = 0.72;
 
@@ -25,7 +27,7 @@ impl TornRelief<'_> {
     pub(super) fn crushed(&self, end: &TornEnd, torn: f64) -> (f64, f64) {
         let (height, [drop, _]) = (self.model.p.compression_height, end.fork_random);
         let crushed = height
-            * (CRUSHED_TERRACES * self.terrace(end, RING_STEPS.0)
+            * (CRUSHED_TERRACES * self.terrace(end, CRUSHED_STEPS)
                 + CRUSHED_PARTS * heavy(drop)
                 + CRUSHED_BUNDLES * heavy(end.crushed_random[0]));
         // Either half keeps the fibres of a bundle.
@@ -37,11 +39,11 @@ impl TornRelief<'_> {
 
     /// Returns the height of the terrace that a bundle broke across in, about −1 to 1: wood that is too brittle to split far, or too
     /// crushed, still parts along rings and rays, into clumps of a few sizes.
-    pub(super) fn terrace(&self, end: &TornEnd, ring_steps: f64) -> f64 {
+    pub(super) fn terrace(&self, end: &TornEnd, (clumps, ring_steps): (f64, f64)) -> f64 {
         let even = |random: f64| 2.0 * random - 1.0;
         let [sliver, ..] = end.sliver_random;
         let [part, _] = end.fork_random;
-        CLUMPS.0 * even(sliver) + CLUMPS.1 * even(part) + ring_steps * end.step
+        clumps * even(sliver) + CLUMPS * even(part) + ring_steps * end.step
     }
 
     /// Returns the height of a fold of crushed wood at a point (m), 0 to 1, where folds are `height` high. Their ridges run across

@@ -13,7 +13,7 @@ const LEAST_ROUGH: f64 = 0.12;
 const LEAST_CRUSHED: f64 = 0.28;
 /// Height of the folds of crushed wood, radii, that short ends there are as high as. They differ less than folds do: a bundle is as wide
 /// under low folds as under high ones.
-const CRUSHED_HEIGHT: f64 = 0.115;
+const CRUSHED_HEIGHT: f64 = 0.029;
 /// Slopes of the ends of a group and of a bundle, height per radius, over the height of the relief of short ends.
 const GROUP_LEAN: f64 = 9.0;
 const OWN_LEAN: f64 = 5.5;

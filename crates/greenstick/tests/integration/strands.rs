@@ -185,6 +185,30 @@ fn bast_hangs_out_at_the_edge_of_torn_bark() {
     }
 }
 
+/// Bark of brash wood broke short with it: hardly a string of it stands at the rim.
+#[test]
+fn brash_bark_has_hardly_a_string() {
+    let of_bark = |preset: &[&str]| {
+        let request = BreakRequest {
+            texture_width: 16,
+            ..BreakRequest::single(Break {
+                recipe: Recipe::resolve(preset, None, &[]).unwrap(),
+                separation: 0.03,
+                ..Break::default()
+            })
+        };
+        let made = break_scene(built_in_branch(), &request, &Context::quiet()).unwrap();
+        let count = |node: &Node| {
+            let zones = &node.mesh.attributes["_ZONE"];
+            let vertices = 0..node.mesh.positions.len();
+            vertices.filter(|&v| zones.at(v)[0] == 4.0).count()
+        };
+        fuzz(&made).into_iter().map(count).sum::<usize>()
+    };
+    let (torn, brash) = (of_bark(&[]), of_bark(&["brash"]));
+    assert!(brash * 8 < torn, "{brash} {torn}");
+}
+
 #[test]
 fn a_budget_holds_with_strands() {
     for most in [9_000, 30_000] {

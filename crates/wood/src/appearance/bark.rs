@@ -106,14 +106,22 @@ const fn furrow(size: f64, stretch: f64, share: f64, edge: f64) -> FigureSize {
     }
 }
 
-/// Furrows of three orders: wide ones between ridges, narrower ones that part the ridges, and cracks; last the cracks across ridges,
-/// between plates.
-const FURROWS: [FigureSize; 4] = [
+impl FigureSize {
+    /// What has to be seen of furrows of a size (m): the slope of a side, which is narrower than the ridge. Finer slopes would glitter.
+    fn least_width(&self, size: f64, openness: f64) -> f64 {
+        (1.8 * self.edge * openness).min(1.0) * size * self.stretch.min(1.0)
+    }
+}
+
+/// Furrows of three orders: wide ones between ridges, narrower ones that part the ridges, and cracks.
+const FURROWS: [FigureSize; 3] = [
     furrow(1.0, 5.0, 1.0, 0.34),
     furrow(0.47, 6.0, 0.50, 0.22),
     furrow(0.19, 9.0, 0.22, 0.20),
-    furrow(1.3, 0.6, 0.2, 0.06),
 ];
+/// Ridges are of several widths: the bark is shifted about the stem by slow noise, in parts of the distance between furrows, before
+/// furrows are cut. Size and length over size of the noise, and the farthest shift.
+const UNEVEN_RIDGES: FigureSize = figure(3.4, 2.6, 1.1);
 /// Flakes, scales and dust between them.
 const FLAKES: [FigureSize; 4] = [
     figure(1.7, 2.0, 0.18),
@@ -130,7 +138,7 @@ const FURROW_END: f64 = 0.75;
 const WIDE_FURROW_DEPTH: f64 = 0.15;
 const NARROWEST_FURROW: f64 = 0.35;
 /// Mean share of their depth that furrows too fine to be seen take, by order, where they are as wide as furrows are.
-const MEAN_DEPTHS: [f64; FURROWS.len()] = [0.49, 0.335, 0.31, 0.096];
+const MEAN_DEPTHS: [f64; FURROWS.len()] = [0.49, 0.335, 0.31];
 /// Part of a flake's size that has to be seen: slopes of one pixel glitter.
 const FLAKE_DETAIL: f64 = 0.5;
 /// Share of dust on ridges, and of lichen in its patches, and the values of the noise between which their edges lie.
@@ -149,7 +157,8 @@ const LENTICEL: DVec3 = DVec3::new(0.30, 0.22, 0.15);
 const PATCH_NOISE: usize = FLAKES.len();
 const LENTICEL_NOISE: usize = PATCH_NOISE + 1;
 const ALGA_NOISE: usize = LENTICEL_NOISE + 1;
-const FURROW_NOISES: usize = ALGA_NOISE + 1;
+const RIDGE_NOISE: usize = ALGA_NOISE + 1;
+const FURROW_NOISES: usize = RIDGE_NOISE + 1;
 
 /// Furrows at a point.
 struct Furrows {
@@ -233,9 +242,9 @@ impl BarkAppearance {
         );
         let weathered = mix(weathered, ALGAE, self.algae(place, at.angle, shade, noises));
         let furrow_color = DVec3::from_array(self.furrow_color);
-        // Only the depths of furrows are dark: their sides are as weathered as ridges are.
+        // Furrows are dark from their sides on: light gets out of them hardly.
         let mut color =
-            mix(furrow_color, weathered, ridge.max(0.0).sqrt()) * (1.0 + 1.3 * shade).max(0.15);
+            mix(furrow_color, weathered, ridge.max(0.0)) * (1.0 + 1.3 * shade).max(0.15);
         if self.lenticels > 0.0 {
             let stripes = (DVec3::splat(0.5 * width), 1.0 / 6.0);
             let (v, _) = self.noise((noises, LENTICEL_NOISE), seed ^ 4, place, stripes);
@@ -264,66 +273,140 @@ impl BarkAppearance {
         ALGAE_SHARE * side * smoothstep(-0.55, 0.45, patch + 0.7 * shade)
     }
 
+    /// Shifts a place of the bark about the stem, so that ridges differ in width.
+    fn uneven(&self, place: DVec3, noises: &mut impl Noises) -> Shifted {
+        let most = UNEVEN_RIDGES.share * self.furrow_width;
+        let size = DVec3::splat(UNEVEN_RIDGES.size * self.furrow_width);
+        let seed = self.seed ^ PURPOSE ^ 6;
+        let (v, g) = self.noise(
+            (noises, RIDGE_NOISE),
+            seed,
+            place,
+            (size, UNEVEN_RIDGES.stretch),
+        );
+        let radius = place.truncate().length().max(1e-9);
+        let outwards = place.truncate().extend(0.0) / radius;
+        let around = DVec3::new(-outwards.y, outwards.x, 0.0);
+        Shifted {
+            place: place + around * (most * v),
+            outwards,
+            around,
+            turn: most * v / radius,
+            rise: g * most,
+        }
+    }
+
     fn furrows(&self, place: DVec3, footprint: f64, noises: &mut impl Noises) -> Furrows {
-        let (mut ridge, mut height, mut slope) = (1.0, 0.0, DVec3::ZERO);
+        let at = self.uneven(place, noises);
+        let mut sum = Furrows {
+            ridge: 1.0,
+            height: 0.0,
+            slope: DVec3::ZERO,
+        };
         // Shallow furrows are narrow: smooth bark has lines where rough bark has valleys.
         let steepness = self.furrow_depth / self.furrow_width / WIDE_FURROW_DEPTH;
         let openness = steepness.clamp(NARROWEST_FURROW, 1.0);
         for (i, order) in FURROWS.iter().enumerate() {
             let size = order.size * self.furrow_width;
-            let half = order.edge * openness;
-            // What has to be seen is the slope of a furrow's side, which is narrower than the ridge: finer slopes would glitter.
-            let narrowest = size * order.stretch.min(1.0);
-            let visible = visible_detail((1.8 * half).min(1.0) * narrowest, footprint);
+            let mean = MEAN_DEPTHS[i] * openness;
+            let visible = visible_detail(order.least_width(size, openness), footprint);
+            if visible == 0.0 {
+                sum.add(order.share, self.furrow_depth, (-mean, DVec3::ZERO));
+                continue;
+            }
             // Furrows wander: the place is shifted sideways by slower noise before they are cut.
             let seed = self.seed ^ PURPOSE ^ ((i as u64 + 1) << 16);
             let slow = (DVec3::splat(size / 0.9), 0.9 / 0.35);
             let number = FURROW_NOISES + 3 * i;
-            let (shift, shift_slope) = self.noise((noises, number), seed ^ 1, place, slow);
-            let shifted = place + DVec3::new(shift, -shift, 0.0) * (0.5 * size);
+            let (shift, shift_slope) = self.noise((noises, number), seed ^ 1, at.place, slow);
+            let shifted = at.place + DVec3::new(shift, -shift, 0.0) * (0.5 * size);
             let furrow = (DVec3::splat(size), order.stretch * self.furrow_stretch);
             let (v, g) = self.noise((noises, number + 1), seed, shifted, furrow);
             let g = g + shift_slope * (0.5 * size * (g.x - g.y));
-            // A furrow runs where the noise changes sign; how wide it opens changes along it.
+            // How wide it opens changes along it.
             let along = (DVec3::splat(size / 0.7), 0.7 / 0.3);
-            let (opening, opening_slope) = self.noise((noises, number + 2), seed ^ 2, place, along);
-            let widened = 1.0 + FURROW_EDGE_VARIATION * opening;
-            let edge = half * widened.max(MIN_FURROW_EDGE);
-            let x = (v.abs() / edge).min(1.0);
+            let opening = self.noise((noises, number + 2), seed ^ 2, at.place, along);
+            let cut = Cut::of((v, g), opening, order.edge * openness);
             // The widest furrows part all ridges.
-            let share = if i == 0 {
-                1.0
+            let (share, share_slope) = if i == 0 {
+                (1.0, DVec3::ZERO)
             } else {
-                smoothstep(MIN_FURROW_EDGE, FURROW_END, widened)
+                cut.share
             };
-            let profile = x * x * (3.0 - 2.0 * x);
-            let mean = 1.0 - MEAN_DEPTHS[i] * openness;
-            let open = mix_scalar(mean, 1.0 - share * (1.0 - profile), visible);
-            ridge *= 1.0 - order.share * (1.0 - open);
-            let depth = self.furrow_depth * order.share;
-            height += depth * (open - 1.0);
-            if x < 1.0 {
-                let narrowing = if widened > MIN_FURROW_EDGE {
-                    half * FURROW_EDGE_VARIATION
-                } else {
-                    0.0
-                };
-                let x_slope = (g * v.signum() - opening_slope * (narrowing * x)) / edge;
-                let mut open_slope = x_slope * (share * 6.0 * x * (1.0 - x));
-                if i > 0 && share > 0.0 && share < 1.0 {
-                    let range = FURROW_END - MIN_FURROW_EDGE;
-                    let t = (widened - MIN_FURROW_EDGE) / range;
-                    let share_slope = 6.0 * t * (1.0 - t) * FURROW_EDGE_VARIATION / range;
-                    open_slope -= opening_slope * (share_slope * (1.0 - profile));
-                }
-                slope += open_slope * (depth * visible);
-            }
+            let seen = (
+                share * (cut.open - 1.0),
+                share * cut.open_slope + share_slope * (cut.open - 1.0),
+            );
+            let low = mix_scalar(-mean, seen.0, visible);
+            sum.add(
+                order.share,
+                self.furrow_depth,
+                (low, at.slope(seen.1) * visible),
+            );
         }
-        Furrows {
-            ridge,
-            height,
-            slope,
+        sum
+    }
+}
+
+/// A place that was shifted about the stem.
+struct Shifted {
+    place: DVec3,
+    /// Directions away from the pith and about it.
+    outwards: DVec3,
+    around: DVec3,
+    /// The shift over the distance from the pith.
+    turn: f64,
+    /// Slope of the shift.
+    rise: DVec3,
+}
+
+impl Shifted {
+    /// The slope of what has a slope `g` where it was shifted to.
+    fn slope(&self, g: DVec3) -> DVec3 {
+        g + self.rise * g.dot(self.around) - self.around * (self.turn * g.dot(self.outwards))
+    }
+}
+
+/// A furrow at a place.
+struct Cut {
+    /// 0 in the middle of the furrow, 1 beside it, and its slope.
+    open: f64,
+    open_slope: DVec3,
+    /// How deep it is of what furrows of its order are at most, and its slope.
+    share: (f64, DVec3),
+}
+
+impl Cut {
+    /// A furrow runs where a noise changes sign; `opening` is the noise that changes its width along it, `half` half its width.
+    fn of((v, g): (f64, DVec3), (opening, opening_slope): (f64, DVec3), half: f64) -> Cut {
+        let widened = 1.0 + FURROW_EDGE_VARIATION * opening;
+        let edge = half * widened.max(MIN_FURROW_EDGE);
+        let x = (v.abs() / edge).min(1.0);
+        let narrowing = match widened > MIN_FURROW_EDGE {
+            true => half * FURROW_EDGE_VARIATION,
+            false => 0.0,
+        };
+        let x_slope = match x < 1.0 {
+            true => (g * v.signum() - opening_slope * (narrowing * x)) / edge,
+            false => DVec3::ZERO,
+        };
+        let range = FURROW_END - MIN_FURROW_EDGE;
+        let t = ((widened - MIN_FURROW_EDGE) / range).clamp(0.0, 1.0);
+        let deepening = 6.0 * t * (1.0 - t) * FURROW_EDGE_VARIATION / range;
+        Cut {
+            open: x * x * (3.0 - 2.0 * x),
+            open_slope: x_slope * (6.0 * x * (1.0 - x)),
+            share: (t * t * (3.0 - 2.0 * t), opening_slope * deepening),
         }
+    }
+}
+
+impl Furrows {
+    /// Adds a furrow as low as a part of the depth of its order, whose part of the greatest depth (m) is `share`.
+    fn add(&mut self, share: f64, depth: f64, (low, slope): (f64, DVec3)) {
+        self.ridge *= 1.0 + share * low;
+        self.height += depth * share * low;
+        self.slope += slope * (depth * share);
     }
 }
 
@@ -358,6 +441,40 @@ mod tests {
             greatest > 0.3 && off < 0.02 * greatest,
             "{off} of {greatest}"
         );
+    }
+
+    #[test]
+    fn ridges_run_along_the_stem_and_are_of_several_widths() {
+        let bark = BarkAppearance::furrowed(0.1);
+        let around = 8000;
+        let (mut across, mut along, mut widths) = (0.0, 0.0, Vec::new());
+        for level in 0..40 {
+            let at = |i: i32| {
+                let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(i) / 8e3);
+                let place = DVec3::new(0.1 * cosine, 0.1 * sine, 0.11 * f64::from(level));
+                (bark.furrows(place, 1e-6, &mut Forgetful), cosine, sine)
+            };
+            let mut last = None;
+            for i in 0..around {
+                let (here, cosine, sine) = at(i);
+                across += (here.slope.y * cosine - here.slope.x * sine).powi(2);
+                along += here.slope.z.powi(2);
+                let is_bottom = here.ridge < 0.04
+                    && here.ridge <= at(i - 1).0.ridge
+                    && here.ridge < at(i + 1).0.ridge;
+                if is_bottom {
+                    widths.extend(last.map(|last| f64::from(i - last)));
+                    last = Some(i);
+                }
+            }
+        }
+        // No net of cracks lies over them.
+        let steepness = f64::sqrt(along / across);
+        assert!(steepness < 0.35, "{steepness}");
+        widths.sort_by(f64::total_cmp);
+        let part = |share: f64| widths[(share * widths.len() as f64) as usize];
+        assert!(widths.len() > 200, "{}", widths.len());
+        assert!(part(0.9) > 4.5 * part(0.1), "{} {}", part(0.1), part(0.9));
     }
 
     #[test]

@@ -34,6 +34,9 @@ const SIZES: [BundleSize; 3] = [
     bundle(0.42e-3, 70.0, 0.25, 0.30),
     bundle(0.15e-3, 100.0, 0.21, 0.24),
 ];
+/// Radius of a stem, m, up to which slivers have that width, and how much wider those of thick stems are at most.
+const FINE_RADIUS: f64 = 0.04;
+const COARSEST: f64 = 8.0;
 /// How far a boundary lies from its mean place at most, in widths: nearly half, so that some bundles vanish and others are wide.
 const WANDER: f64 = 0.47;
 /// Part of a bundle's width that has to be seen for its relief to show.
@@ -140,6 +143,15 @@ impl Interval {
 }
 
 impl WoodAppearance {
+    /// Factor on the width of slivers: those that a thick stem tears into are as much wider.
+    fn coarseness(&self) -> f64 {
+        match self.pith > 0.0 {
+            true => (self.radius / FINE_RADIUS).clamp(1.0, COARSEST),
+            // Sawn wood is planed, and the pith may be far off.
+            false => 1.0,
+        }
+    }
+
     /// Returns the bundles at a place of a surface with the normal `facing` in the section.
     pub(super) fn bundles(&self, place: DVec3, facing: DVec2, footprint: f64) -> Bundles {
         let flat = TURN.rotate(place.truncate());
@@ -147,21 +159,25 @@ impl WoodAppearance {
         let mut sum = Bundles::default();
         let mut slope = DVec2::ZERO;
         for (n, size) in SIZES.iter().enumerate() {
-            let visible = visible_detail(1.25 * size.width, footprint);
+            let width = match n {
+                0 => size.width * self.coarseness(),
+                _ => size.width,
+            };
+            let visible = visible_detail(1.25 * width, footprint);
             if visible == 0.0 {
                 break;
             }
-            let (length, period) = periodic_cells(size.width * size.stretch, self.period);
+            let (length, period) = periodic_cells(width * size.stretch, self.period);
             let at = |purpose: u64| Along {
                 seed: self.seed ^ BUNDLE ^ ((n as u64) << 8) ^ (purpose << 16),
                 z: place.z / length,
                 period,
             };
             let (rows, columns, tones) = (at(0), at(1), at(2));
-            let [x, y] = (flat / size.width).to_array();
+            let [x, y] = (flat / width).to_array();
             let row = interval(&rows, y, i64::MIN / 2);
             let column = interval(&columns, x, row.number);
-            let soft = 0.5 * footprint / size.width;
+            let soft = 0.5 * footprint / width;
             let tone_of = |i: i64, j: i64| tones.value(i, j);
             let own = tone_of(column.number, row.number);
             // Across a boundary a pixel sees both sides.
@@ -182,8 +198,8 @@ impl WoodAppearance {
             let (over_x, rise_x) = column.roof(x, own);
             let (over_y, rise_y) = row.roof(y, own);
             // Slopes of one pixel would glitter.
-            let tilt = 4.0 * size.tilt * visible_detail(RELIEF_DETAIL * size.width, footprint);
-            sum.height += tilt * over_x * over_y * size.width;
+            let tilt = 4.0 * size.tilt * visible_detail(RELIEF_DETAIL * width, footprint);
+            sum.height += tilt * over_x * over_y * width;
             slope += DVec2::new(rise_x * over_y, over_x * rise_y) * tilt;
             if n < OPEN_SIZES {
                 let own = opening((&tones, &column, row.number), off, soft, facing);

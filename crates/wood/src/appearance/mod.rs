@@ -19,6 +19,8 @@ mod splits;
 mod stem;
 mod surface;
 mod tints;
+mod tissue_blend;
+mod tissues;
 mod wood;
 
 pub use bark::{BarkAppearance, BarkPoint};

@@ -27,8 +27,11 @@ const WEATHERED_TINT: [f64; 3] = [1.0, 0.985, 0.95];
 const PLANED_RELIEF: f64 = 0.25;
 /// How much less saturated a fresh tear is than planed wood, how much lighter, and its least roughness.
 const TORN_PALENESS: f64 = 0.16;
-const TORN_LIGHT: f64 = 1.05;
+const TORN_LIGHT: f64 = 1.0;
 const TORN_ROUGHNESS: f64 = 0.82;
+/// The same of fibres that broke across, over end grain that was sawn.
+const BRUSH_PALENESS: f64 = 0.12;
+const BRUSH_LIGHT: f64 = 0.2;
 
 /// A point of the surface of a stem, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,7 +79,7 @@ impl StemAppearance {
         match at_end && end_grain > CUT_END_COSINE {
             true => self.with_saw_marks(shown, (stem, grain), point.footprint),
             false => OrientedSurface {
-                surface: torn(shown.surface),
+                surface: torn_across(shown.surface, end_grain),
                 ..shown
             },
         }
@@ -210,6 +213,18 @@ pub fn torn(surface: WoodSurface) -> WoodSurface {
         roughness: surface.roughness.max(TORN_ROUGHNESS),
         ..surface
     }
+}
+
+/// Returns wood as it is on a fresh tear that lies across the grain by |normal · grain|: fibres that broke at many heights
+/// stand there as a pale brush, whose sides shine, where a saw leaves open cells.
+pub fn torn_across(surface: WoodSurface, end_grain: f64) -> WoodSurface {
+    let end = end_grain.clamp(0.0, 1.0);
+    let light = luminance(surface.color);
+    let paler = |c: f64| (c + BRUSH_PALENESS * end * (light - c)) * (1.0 + BRUSH_LIGHT * end);
+    torn(WoodSurface {
+        color: surface.color.map(paler),
+        ..surface
+    })
 }
 
 /// Returns wood as a plane leaves it, which takes off most of the relief.

@@ -26,11 +26,15 @@ const SOAKED_COLOR: DVec3 = DVec3::new(0.93, 0.86, 0.74);
 const MOIST_COLOR: DVec3 = DVec3::new(0.97, 0.99, 0.86);
 const MOIST: f64 = 0.16;
 
-/// Part of the inner bark that lives, how much of the colour of sapwood it has, and the tint of that; and how far the tones of strings
-/// of inner bark differ.
-const LIVING_BARK: f64 = 0.7;
+/// Part of the inner bark over which it passes from tan, where it lives, to red-brown, and how much farther out or in that is in strings
+/// of different tones: it tears in layers.
+const LIVING_BARK: f64 = 1.1;
+const TORN_LAYERS: f64 = 0.45;
+/// How much of the colour of sapwood living bark has, and the tint of that; the tint of dead bark; and how far the tones of its strings
+/// differ.
 const LIVING_SHARE: f64 = 0.45;
-const LIVING_TINT: DVec3 = DVec3::new(0.86, 0.90, 0.72);
+const LIVING_TINT: DVec3 = DVec3::new(0.92, 0.90, 0.80);
+const DEAD_TINT: DVec3 = DVec3::new(0.60, 0.50, 0.42);
 const BAST_TONES: f64 = 0.38;
 
 /// Part of the outer bark that is drawn as inner bark, too: what its furrows part begins farther out.
@@ -84,13 +88,11 @@ impl WoodAppearance {
     /// lives, and darker outwards.
     pub(super) fn inner_bark_color(&self, rho: f64, tone: f64) -> [f64; 3] {
         let depth = (rho - self.phloem) / (self.drawn_inner_bark_end() - self.phloem).max(1e-6);
-        let living = 1.0 - smoothstep(0.0, LIVING_BARK, depth + 0.3 * tone);
-        let dark = DVec3::from_array(self.phloem_color) * (1.0 + BAST_TONES * tone);
-        let pale = mix(
-            DVec3::from_array(self.phloem_color),
-            DVec3::from_array(self.sapwood_color) * LIVING_TINT,
-            LIVING_SHARE,
-        );
+        let living = 1.0 - smoothstep(0.0, LIVING_BARK, depth + TORN_LAYERS * tone);
+        let own = DVec3::from_array(self.phloem_color);
+        let dark = own * DEAD_TINT * (1.0 + BAST_TONES * tone);
+        let sapwood = DVec3::from_array(self.sapwood_color);
+        let pale = mix(own, sapwood * LIVING_TINT, LIVING_SHARE);
         mix(dark, pale, living).to_array()
     }
 }

@@ -1,12 +1,12 @@
 //! The appearance of wood: rings, streaks, vessels, rays and the tissues of a section.
 
 use super::bark_kinds::BarkKind;
-use super::mix::{mix, mix_scalar, visible_detail};
-use super::noises::{SPECK_NOISE, UNEVEN_NOISES};
+use super::mix::mix;
 use super::surface::WoodSurface;
+use super::tissue_blend::TissueBlend;
 use crate::colour::linear_from_srgb as srgb;
-use crate::noise::{Forgetful, NoiseMemory, Noises, smoothstep};
-use crate::rings::{ConcentricRings, RingSource, StemAddress, periodic_cells};
+use crate::noise::{Forgetful, NoiseMemory, Noises};
+use crate::rings::{ConcentricRings, RingSource, StemAddress};
 use crate::tissue::Proportions;
 use glam::{DVec2, DVec3};
 
@@ -91,7 +91,7 @@ const END_GRAIN_DARKENING: f64 = 0.30;
 const RING_RELIEF: f64 = 40e-6;
 /// How much darker lines of latewood are than their colour, as their ridges catch the light, and how much higher they stand on faces
 /// along the grain than across it.
-const LATEWOOD_LINES: f64 = 1.35;
+const LATEWOOD_LINES: f64 = 1.8;
 const RIDGES_ALONG: f64 = 1.5;
 /// How much darker the gaps of hairline splits are: blue most, as light there went through wood.
 const SPLIT_DARKENING: DVec3 = DVec3::new(0.62, 0.70, 0.78);
@@ -99,22 +99,6 @@ const SPLIT_DARKENING: DVec3 = DVec3::new(0.62, 0.70, 0.78);
 const STREAKS_ACROSS: f64 = 0.5;
 /// How much less splits show across the grain, where a saw or a tear has filled them.
 const SPLIT_ACROSS: f64 = 0.65;
-/// Width of the cambium, a pale line between wood and bark, m, and how much it shows.
-const CAMBIUM_WIDTH: f64 = 0.4e-3;
-const CAMBIUM_SHARE: f64 = 0.7;
-/// Cosines of the angle to the direction away from the pith between which a face begins to be one that bark came off.
-const PEELED: (f64, f64) = (0.15, 0.5);
-/// Distances beyond the inner bark, in ring coordinates, between which such faces end.
-const OUTSIDE: (f64, f64) = (0.006, 0.016);
-/// Tones of slivers between which those begin that inner bark sticks to.
-const BAST: (f64, f64) = (0.42, 0.62);
-/// Parts of the thickness of the inner bark between which a face that looks outwards begins to show it.
-const BARE_BAST: (f64, f64) = (0.35, 0.75);
-/// How much of the wood strings of inner bark hide: they are thin.
-const BAST_SHARE: f64 = 0.75;
-/// In the hash: what the specks of pith and bark are drawn for.
-const SPECK: u64 = 0x4b;
-
 impl Default for WoodAppearance {
     fn default() -> Self {
         WoodAppearance::softwood()
@@ -135,7 +119,7 @@ impl WoodAppearance {
             latewood_color: srgb([184, 142, 99]),
             heartwood_color: srgb([214, 177, 135]),
             pith_color: srgb([112, 74, 44]),
-            phloem_color: srgb([172, 127, 95]),
+            phloem_color: srgb([152, 122, 94]),
             cork_color: srgb([100, 68, 47]),
             bark_color: None,
             bark_kind: None,
@@ -295,115 +279,6 @@ impl WoodAppearance {
             roughness: surface.roughness.clamp(0.3, 1.0),
             height,
             slope: streaks.slope + split.slope + ring_slope,
-        }
-    }
-
-    /// Blends pith and barks over the wood near and beyond their edges.
-    fn blend_tissues(
-        &self,
-        surface: &mut TissueBlend,
-        address: &StemAddress,
-        place: DVec3,
-        footprint: f64,
-        noises: &mut impl Noises,
-    ) {
-        let rho = address.rho;
-        let soft = (footprint / self.radius).max(0.004);
-        let cork = self.drawn_inner_bark_end();
-        let margin = 0.01 + (cork - self.phloem).clamp(0.0, 0.1);
-        let near_bark = rho > self.phloem - soft - margin;
-        let near_pith = rho <= self.pith * 1.15 + soft + 0.01;
-        if !near_bark && !near_pith {
-            return;
-        }
-        let (long, period) = periodic_cells(8e-3, self.period);
-        let scale = DVec3::new(900.0, 900.0, 1.0 / long);
-        let ragged = noises
-            .gradient(SPECK_NOISE, self.seed ^ SPECK, place * scale, period)
-            .0;
-        let speck = ragged * visible_detail(1.1e-3, footprint);
-        // The pith lies below its edge, the barks above theirs; the cambium is no compass line, and the cork eats into the
-        // inner bark in places.
-        let in_pith = 1.0
-            - smoothstep(
-                self.pith * 0.7 - soft,
-                self.pith * 1.15 + soft,
-                rho + 0.008 * ragged,
-            );
-        surface.blend(self.pith_color, 0.22 * speck, in_pith);
-        let uneven = self.uneven_bark(place, noises);
-        let from_cambium = (rho + (0.008 * ragged + uneven) - self.phloem).abs() * self.radius;
-        let wide = CAMBIUM_WIDTH.max(footprint);
-        let pale = (1.0 - smoothstep(0.3 * wide, wide, from_cambium)) * CAMBIUM_WIDTH / wide;
-        let cambium = self.sapwood_color.map(|c| (1.12 * c).min(1.0));
-        // Bark comes off at the cambium: a face that looks outwards there is wood, on which strings of inner bark are left. Farther
-        // out it is the side of a plate of bark.
-        let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards)
-            * (1.0 - surface.end)
-            * (1.0 - smoothstep(cork + OUTSIDE.0, cork + OUTSIDE.1, rho));
-        let strings = BAST_SHARE * smoothstep(BAST.0, BAST.1, surface.tone + 0.35 * ragged);
-        // What looks outwards farther from the cambium is inner bark that the outer bark came off.
-        let from_wood = (rho - self.phloem) / (cork - self.phloem).max(1e-6);
-        let bare = 1.0 - smoothstep(BARE_BAST.0, BARE_BAST.1, from_wood);
-        let bare_wood = |edge: f64| match edge == self.phloem {
-            true => peeled * bare * (1.0 - strings),
-            false => peeled,
-        };
-        for (edge, color, grain) in [
-            (self.phloem, self.phloem_color, 0.20),
-            (cork, self.cork_color, 0.42),
-        ] {
-            let wavy = rho + (0.008 * ragged + uneven);
-            let inside = smoothstep(edge - soft, edge + soft, wavy) * (1.0 - bare_wood(edge));
-            let color = match edge == self.phloem {
-                true => self.inner_bark_color(wavy, surface.tone),
-                false => color,
-            };
-            surface.blend(color, grain * speck, inside);
-            if edge == self.phloem {
-                surface.blend(cambium, 0.1 * speck, CAMBIUM_SHARE * pale);
-            }
-        }
-    }
-
-    /// How far the borders of the inner bark are shifted at a place, in ring coordinates.
-    fn uneven_bark(&self, place: DVec3, noises: &mut impl Noises) -> f64 {
-        let thick = (self.drawn_inner_bark_end() - self.phloem).clamp(0.0, 0.1);
-        let mut shift = 0.0;
-        for (n, size, share) in [(1u64, 0.5, 0.5), (2, 0.13, 0.32)] {
-            let size = size * self.radius.max(1e-6);
-            let (long, period) = periodic_cells(4.0 * size, self.period);
-            let scale = DVec3::new(1.0 / size, 1.0 / size, 1.0 / long);
-            let seed = self.seed ^ SPECK ^ (n << 8);
-            let number = UNEVEN_NOISES + n as usize - 1;
-            shift += share * noises.gradient(number, seed, place * scale, period).0;
-        }
-        thick * shift
-    }
-}
-
-/// Colour and roughness that tissues are blended into.
-struct TissueBlend {
-    color: DVec3,
-    roughness: f64,
-    /// |normal · grain|.
-    end: f64,
-    /// Change of brightness by streaks.
-    shade: f64,
-    /// Tone of the slivers, −1 to 1.
-    tone: f64,
-    /// Cosine of the angle between the normal and the direction away from the pith, 0 where that is not known.
-    outwards: f64,
-}
-
-impl TissueBlend {
-    /// Blends a tissue in, whose brightness is changed by `speck`, by the part `inside` of the footprint that it takes.
-    fn blend(&mut self, color: [f64; 3], speck: f64, inside: f64) {
-        const TISSUE_ROUGHNESS: f64 = 0.94;
-        if inside > 0.0 {
-            let shade = (1.0 + speck + 0.8 * self.shade) * (1.0 - 0.15 * self.end);
-            self.color = mix(self.color, DVec3::from_array(color) * shade, inside);
-            self.roughness = mix_scalar(self.roughness, TISSUE_ROUGHNESS, inside);
         }
     }
 }

@@ -194,6 +194,50 @@ fn stem_with_bark() -> (greenstick_wood::stem::Stem, StemAppearance) {
     (found.stem, look)
 }
 
+/// Across a sawn end inner bark is here wide and there narrow, and tan next to the wood, red-brown next to the outer bark.
+#[test]
+fn inner_bark_is_of_no_even_width() {
+    let (stem, look) = stem_with_bark();
+    let wood = &look.wood;
+    let colour = |angle: f64, rho: f64| {
+        let across = DVec2::from_angle(angle) * (rho * 0.05);
+        let address = StemAddress {
+            rho,
+            angle,
+            across,
+            along: 0.3,
+        };
+        let at = WoodPoint {
+            address,
+            end_grain: 1.0,
+            facing: DVec2::ZERO,
+        };
+        DVec3::from_array(wood.surface_at(&wood.usual_rings(), &at, 1e-4).color)
+    };
+    assert!(stem.kind.has_bark());
+    let (mut widths, mut inner, mut outer) = (Vec::new(), DVec3::ZERO, DVec3::ZERO);
+    for i in 0..180 {
+        let angle = f64::from(i) * 0.035;
+        // The cambium is the palest of a row outwards; the outer bark begins where it is as dark as cork.
+        let rho = |k: usize| wood.phloem - 0.05 + (1.05 - wood.phloem) * k as f64 / 400.0;
+        let row: Vec<f64> = (0..400)
+            .map(|k| brightness(colour(angle, rho(k)).to_array()))
+            .collect();
+        let start = (0..400).max_by(|&j, &k| row[j].total_cmp(&row[k])).unwrap();
+        let cork = 1.5 * brightness(wood.cork_color);
+        let end = (start..400).find(|&k| row[k] < cork).unwrap_or(399);
+        widths.push(rho(end) - rho(start));
+        let thick = wood.drawn_inner_bark_end() - wood.phloem;
+        inner += colour(angle, wood.phloem + 0.3 * thick);
+        outer += colour(angle, wood.phloem + 0.8 * thick);
+    }
+    let mean = widths.iter().sum::<f64>() / widths.len() as f64;
+    let scatter = widths.iter().map(|w| (w - mean).powi(2)).sum::<f64>() / widths.len() as f64;
+    assert!(scatter.sqrt() > 0.25 * mean, "{} of {mean}", scatter.sqrt());
+    let red = |c: DVec3| c.x / c.z;
+    assert!(red(outer) > 1.2 * red(inner), "{inner} {outer}");
+}
+
 #[test]
 fn skin_that_moved_is_bark_and_that_of_a_bore_is_not() {
     let (stem, look) = stem_with_bark();
