@@ -556,7 +556,7 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
     }
     var color = mix(wood.sapwood.rgb, wood.heartwood.rgb, heart);
     color *= tint_at(place, rho, bundles.tone);
-    color *= max(mix(vec3<f32>(1.0), wood.latewood.rgb / max(wood.sapwood.rgb, vec3<f32>(1e-3)), 1.8 * late), vec3<f32>(0.1));
+    color *= max(mix(vec3<f32>(1.0), wood.latewood.rgb / max(wood.sapwood.rgb, vec3<f32>(1e-3)), mix(1.8, 1.35, end) * late), vec3<f32>(0.1));
     color *= 1.0 - 0.30 * end * (1.0 - 0.25 * late);
     color *= vec3<f32>(1.0) - vec3<f32>(0.50, 0.58, 0.66) * vessel;
     color *= mix(vec3<f32>(0.80, 0.74, 0.68), vec3<f32>(1.22, 1.24, 1.26), end) * ray + (1.0 - ray);
@@ -707,7 +707,7 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     let alga = noise(seed ^ 5u, place * vec3<f32>(1.0, 1.0, 0.5) / (9.0 * width)).w;
     weathered = mix(weathered, vec3<f32>(0.128, 0.142, 0.066), 0.55 * side * smoothstep(-0.55, 0.45, alga + 0.7 * shade));
     var look: Look;
-    var color = mix(wood.furrow.rgb, weathered, ridge) * max(1.0 + 1.3 * shade, 0.15);
+    var color = mix(wood.furrow.rgb, weathered, 0.3 + 0.7 * ridge) * max(1.0 + 1.3 * shade, 0.15);
     if (wood.vessels.w > 0.0) {
         let v = noise(seed ^ 4u, place * vec3<f32>(1.0, 1.0, 6.0) / (0.5 * width)).w;
         let spot = smoothstep(0.45, 0.62, v) * wood.vessels.w * visible(0.1 * width, footprint);

@@ -75,6 +75,8 @@ impl BarkAppearance {
     }
 }
 
+/// How much of the colour of ridges is seen at the bottom of furrows.
+const FURROW_DUST: f64 = 0.3;
 /// Purpose in the hash.
 const PURPOSE: u64 = 0xba7c;
 
@@ -242,9 +244,9 @@ impl BarkAppearance {
         );
         let weathered = mix(weathered, ALGAE, self.algae(place, at.angle, shade, noises));
         let furrow_color = DVec3::from_array(self.furrow_color);
-        // Furrows are dark from their sides on: light gets out of them hardly.
-        let mut color =
-            mix(furrow_color, weathered, ridge.max(0.0)) * (1.0 + 1.3 * shade).max(0.15);
+        // Furrows are dark from their sides on, as light gets out of them hardly, but for the dust on their sides.
+        let lit = FURROW_DUST + (1.0 - FURROW_DUST) * ridge.max(0.0);
+        let mut color = mix(furrow_color, weathered, lit) * (1.0 + 1.3 * shade).max(0.15);
         if self.lenticels > 0.0 {
             let stripes = (DVec3::splat(0.5 * width), 1.0 / 6.0);
             let (v, _) = self.noise((noises, LENTICEL_NOISE), seed ^ 4, place, stripes);

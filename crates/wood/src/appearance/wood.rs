@@ -89,9 +89,9 @@ pub struct WoodAppearance {
 const END_GRAIN_DARKENING: f64 = 0.30;
 /// Relief between the soft earlywood and the hard latewood, m.
 const RING_RELIEF: f64 = 40e-6;
-/// How much darker lines of latewood are than their colour, as their ridges catch the light, and how much higher they stand on faces
-/// along the grain than across it.
-const LATEWOOD_LINES: f64 = 1.8;
+/// How much darker lines of latewood are than their colour, along the grain, where their ridges catch the light, and across it; and how
+/// much higher they stand on faces along the grain.
+const LATEWOOD_LINES: (f64, f64) = (1.8, 1.35);
 const RIDGES_ALONG: f64 = 1.5;
 /// How much darker the gaps of hairline splits are: blue most, as light there went through wood.
 const SPLIT_DARKENING: DVec3 = DVec3::new(0.62, 0.70, 0.78);
@@ -237,7 +237,9 @@ impl WoodAppearance {
         color *= self.tint(straight, (address.rho, bundles.tone), footprint, noises);
         let late = latewood.darkness;
         let darker = DVec3::from_array(self.latewood_color) / sapwood.max(DVec3::splat(1e-3));
-        color *= mix(DVec3::ONE, darker, late * LATEWOOD_LINES).max(DVec3::splat(0.1));
+        let (along, across) = LATEWOOD_LINES;
+        let lines = along + (across - along) * end;
+        color *= mix(DVec3::ONE, darker, late * lines).max(DVec3::splat(0.1));
         color *= 1.0 - END_GRAIN_DARKENING * end * (1.0 - 0.25 * late);
         color *= DVec3::ONE - DVec3::new(0.50, 0.58, 0.66) * vessel;
         // Rays shine pale across the end and as brown flecks along it.
