@@ -482,7 +482,7 @@ class RequestAttributes:
     @overload
     def __getitem__(self, key: Literal[
         "crack_groups.end",
-    ]) -> Literal["break", "sawn"]: ...
+    ]) -> Literal["break", "sawn", "base"]: ...
     @overload
     def __getitem__(self, key: Literal[
         "rings_by",
@@ -586,7 +586,7 @@ class RequestAttributes:
     @overload
     def __setitem__(self, key: Literal[
         "crack_groups.end",
-    ], value: Literal["break", "sawn"]) -> None: ...
+    ], value: Literal["break", "sawn", "base"]) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
         "rings_by",

@@ -277,7 +277,7 @@ fn aim(broken: &Broken, wood: &BrokenWood, scene: &Scene, options: &mut PictureO
     let Some(points) = view.points(scene, &broken.scene, &broken.roles) else {
         return;
     };
-    let sight = view.sight(broken.hinge);
+    let sight = view.sight(broken.hinge, &broken.scene, &broken.roles);
     options.ground = options.ground.or_else(|| Some(Ground::under(&points)));
     (options.shown, options.up) = (points, sight.up);
     if options.view == View::Automatic {

@@ -85,11 +85,12 @@ fn opened_pieces_lie_clear_of_each_other_with_their_faces_to_the_camera() {
             both.positions.extend(&upper.positions);
             let moved = upper.triangles.iter().map(|t| t.map(|v| v + first));
             both.triangles.extend(moved);
-            (both.materials.clear(), both.attributes.clear());
+            both.materials.clear();
+            both.attributes.clear();
             let crossing = both.check().self_intersections.unwrap().crossing;
             assert_eq!(crossing, 0, "{preset:?}");
             // Both faces look towards the camera, which looks down on the floor that both lie on.
-            let sight = view.sight(None);
+            let sight = view.sight(None, &broken.scene, &broken.roles);
             let along = view.stem.grain.axis().frame(view.stem.location).tangent;
             for face in [along, motion.transform_vector3(-along)] {
                 assert!(face.dot(sight.direction) < -0.4, "{preset:?}: {face}");

@@ -195,7 +195,6 @@ impl PreparedStem {
         } = splitter;
         let corner = |t: &[u32; 3]| t.map(|v| points[v as usize]);
         let corners: Vec<[u32; 3]> = mesh.triangles.iter().map(corner).collect();
-        context.check()?;
         let solid = Solid {
             triangles: &corners,
             points: &grain,

@@ -38,9 +38,6 @@ const FLAT_ELEVATION: f64 = 0.75;
 const FLAT_TURN: f64 = 0.45;
 /// How far its upper piece is moved along the grain: as a part of the face's height, and in radii.
 const FLAT_DISTANCE: (f64, f64) = (0.45, 0.35);
-/// Elevation of the camera over a break that hangs open, and its turn from the side, rad.
-const HANGING_ELEVATION: f64 = 0.22;
-const HANGING_TURN: f64 = 0.45;
 
 /// A break, as a picture shows it.
 #[derive(Debug, Clone, Copy)]
@@ -223,29 +220,26 @@ impl BreakView<'_> {
         .map(|(x, y)| long * x + short * y)
     }
 
-    /// Returns how a camera looks at the opened break, or at one whose upper piece hangs on a hinge of this direction.
-    pub fn sight(&self, hinge: Option<DVec3>) -> Sight {
-        let frame = self.frame();
-        let mut up = frame.tangent;
-        let (direction, elevation) = match hinge {
-            None => match self.long_side {
-                // Both lie on their broad sides, with the grain to the right.
-                Some(long) => {
-                    up = frame.tangent.cross(long);
-                    let (sin, cos) = libm::sincos(FLAT_TURN);
-                    (long * cos - frame.tangent * sin, FLAT_ELEVATION)
-                }
-                None => {
-                    let lying = self.lying();
-                    up = lying.up;
-                    (lying.away, ELEVATION)
-                }
-            },
-            // Nearly along the hinge, from the side that opened.
-            Some(axis) => {
-                let opened = axis.cross(frame.tangent) * -1.0;
-                let (sin, cos) = libm::sincos(HANGING_TURN);
-                (-(axis * cos + opened * sin), HANGING_ELEVATION)
+    /// Returns how a camera looks at the opened break, or at one whose upper piece hangs on a hinge of this direction in the broken
+    /// scene, whose nodes have these roles.
+    pub fn sight(&self, hinge: Option<DVec3>, broken: &Scene, roles: &[NodeRole]) -> Sight {
+        let tangent = self.frame().tangent;
+        let (up, direction, elevation) = match (hinge, self.long_side) {
+            // Both pieces lie on the floor, bent in it; the break opens towards the camera.
+            (Some(axis), _) => {
+                let upper = upper_motion(broken, roles).transform_vector3(tangent);
+                let between = (upper - tangent).reject_from(axis).try_normalize();
+                (axis, between.unwrap_or(-tangent), ELEVATION)
+            }
+            // Both lie on their broad sides, with the grain to the right.
+            (None, Some(long)) => {
+                let (sin, cos) = libm::sincos(FLAT_TURN);
+                let direction = long * cos - tangent * sin;
+                (tangent.cross(long), direction, FLAT_ELEVATION)
+            }
+            (None, None) => {
+                let lying = self.lying();
+                (lying.up, lying.away, ELEVATION)
             }
         };
         Sight {
