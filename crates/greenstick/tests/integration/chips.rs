@@ -99,3 +99,22 @@ fn opened_pieces_lie_clear_of_each_other_with_their_faces_to_the_camera() {
         });
     }
 }
+
+#[test]
+fn a_piece_that_hangs_lies_bent_and_its_break_opens_to_the_camera() {
+    with_view(Some("green-stick"), |broken, view| {
+        let sight = view.sight(broken.hinge, &broken.scene, &broken.roles);
+        let along = view.stem.grain.axis().frame(view.stem.location).tangent;
+        let at = |role| {
+            let at = (broken.roles.iter()).position(|&r| r == NodeRole::Piece(role));
+            broken.scene.nodes[at.unwrap()].transform
+        };
+        let turned = at(PieceRole::Upper) * at(PieceRole::Lower).inverse();
+        let upper = turned.transform_vector3(along);
+        assert!(upper.dot(along) < 0.9, "it is bent: {upper}");
+        for face in [along, -upper] {
+            assert!(face.dot(sight.direction) < -0.1, "{face}");
+            assert!(face.dot(sight.up).abs() < 1e-6, "{face}");
+        }
+    });
+}

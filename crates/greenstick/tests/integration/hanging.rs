@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Context, Mesh, Node, Scene};
-use greenstick::picture::{Ground, PictureOptions, View};
+use greenstick::picture::{Ground, PictureOptions};
 use greenstick::wood::primitive;
 use greenstick::{
     Break, BreakRequest, break_scene, built_in_branch, picture_of_break, picture_of_scene,
@@ -150,26 +150,25 @@ fn a_hanging_piece_is_shown_with_its_bark() {
         width: 180,
         height: 140,
         samples: 4,
-        view: View::Direction {
-            azimuth: 30_f64.to_radians(),
-            elevation: 75_f64.to_radians(),
-        },
         ground: Some(Ground::Plain),
         ..PictureOptions::default()
     };
     let picture = picture_of_break(&broken, &options, &Context::quiet()).unwrap();
-    let row = 3 * picture.width as usize;
-    let lower = picture.rgb.chunks(row).skip(picture.height as usize / 2);
-    let pixels = lower.flat_map(|row| row[..row.len() * 6 / 10].chunks(3));
-    let (mut bark, mut inside) = (0, 0);
-    for [red, blue] in pixels.map(|p| [p[0], p[2]].map(f64::from)) {
-        // The background is grey, bark nearly so; wood and inner bark are not.
-        let is_bare = red - blue > 0.35 * red;
-        inside += usize::from(is_bare);
-        bark += usize::from(!is_bare && red - blue > 14.0);
+    let (row, side) = (3 * picture.width as usize, 3 * 25);
+    // Both pieces run out of the picture at its sides, beyond the break.
+    for columns in [0..side, row - side..row] {
+        let rows = picture.rgb.chunks(row);
+        let pixels = rows.flat_map(|row| row[columns.clone()].chunks(3));
+        let (mut bark, mut inside) = (0, 0);
+        for [red, blue] in pixels.map(|p| [p[0], p[2]].map(f64::from)) {
+            // The background is grey, bark nearly so but in the warm shade below; wood and inner bark are not, and lighter.
+            let is_bare = red - blue > 0.35 * red && red > 80.0;
+            inside += usize::from(is_bare);
+            bark += usize::from(!is_bare && red - blue > 14.0);
+        }
+        assert!(bark > 1000, "{bark}");
+        assert!(inside * 50 < bark, "{inside} of {bark}");
     }
-    assert!(bark > 1000, "{bark}");
-    assert!(inside * 50 < bark, "{inside} of {bark}");
 }
 
 /// A break stands on a ground that suits its size, unless the plain backdrop is asked for; what is no break does not.
