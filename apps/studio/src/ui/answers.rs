@@ -53,6 +53,10 @@ impl Studio {
                         self.platform.note_recent(&path);
                         self.said = format!("Opened {path}.");
                         self.begin(opened, &path);
+                        if !self.platform.has_folders() {
+                            // The address of a page says what is open.
+                            self.changed_at = Some(now);
+                        }
                     }
                     Err(failure) => self.fail(&failure),
                 }
