@@ -52,7 +52,7 @@ class RequestKeys(TypedDict, total=False):
     view: str | float | None
     camera: str | float | None
     close_up: float | str | None
-    ground: Literal["plain", "bench", "litter"] | None
+    ground: Literal["plain", "bench", "concrete", "litter"] | None
     depth_of_field: float | str | None
     coin: bool
     chips: bool
@@ -306,10 +306,10 @@ class RequestAttributes:
     @close_up.setter
     def close_up(self, value: float | str | None) -> None: ...
     @property
-    def ground(self) -> Literal["plain", "bench", "litter"] | None:
-        """What the wood stands on; 'auto' puts a break on a workbench, a large one on fallen leaves, and anything else before the plain backdrop."""
+    def ground(self) -> Literal["plain", "bench", "concrete", "litter"] | None:
+        """What the wood stands on; 'auto' puts a break on a floor of concrete, a large one on fallen leaves, and anything else before the plain backdrop."""
     @ground.setter
-    def ground(self, value: Literal["plain", "bench", "litter"] | None) -> None: ...
+    def ground(self, value: Literal["plain", "bench", "concrete", "litter"] | None) -> None: ...
     @property
     def depth_of_field(self) -> float | None:
         """How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; 'auto' is a little on a ground and nothing before the plain backdrop. Unit: one."""
@@ -494,7 +494,7 @@ class RequestAttributes:
     @overload
     def __getitem__(self, key: Literal[
         "ground",
-    ]) -> Literal["plain", "bench", "litter"] | None: ...
+    ]) -> Literal["plain", "bench", "concrete", "litter"] | None: ...
     @overload
     def __getitem__(self, key: Literal[
         "kind",
@@ -598,7 +598,7 @@ class RequestAttributes:
     @overload
     def __setitem__(self, key: Literal[
         "ground",
-    ], value: Literal["plain", "bench", "litter"] | None) -> None: ...
+    ], value: Literal["plain", "bench", "concrete", "litter"] | None) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
         "kind",

@@ -46,13 +46,13 @@ pub(crate) struct Studio {
     pub background: [Vec3; 2],
 }
 
-/// Cosine of the angular radius of the key light (10°): its shadows show the shapes of splinters, with edges as soft as those of a
-/// softbox.
-const KEY_LIGHT_COSINE: f32 = 0.9848;
+/// Cosine of the angular radius of the key light (5°): its shadows show the shapes of splinters, with edges as soft as those of a
+/// sun behind thin cloud.
+const KEY_LIGHT_COSINE: f32 = 0.9962;
 /// Cosine of the angular radius of the rim light (20°).
 const RIM_LIGHT_COSINE: f32 = 0.94;
 /// Radiance of the floor as seen from items: it returns the warm key light.
-const FLOOR_RADIANCE: Vec3 = Vec3::new(0.205, 0.18, 0.15);
+const FLOOR_RADIANCE: Vec3 = Vec3::new(0.190, 0.182, 0.172);
 /// How much darker a ground is in the corners of the picture.
 const VIGNETTE: f32 = 0.28;
 
@@ -112,15 +112,15 @@ impl Studio {
                 Lamp::new(
                     direction(-0.45, 0.85, 0.75),
                     KEY_LIGHT_COSINE,
-                    Vec3::new(4.30, 4.07, 3.66),
+                    Vec3::new(4.34, 4.07, 3.58),
                 ),
                 Lamp::new(
                     direction(0.85, 0.55, -0.75),
                     RIM_LIGHT_COSINE,
-                    Vec3::new(1.15, 1.22, 1.35),
+                    Vec3::new(1.02, 1.20, 1.45),
                 ),
             ],
-            sky: [Vec3::new(0.200, 0.210, 0.230), FLOOR_RADIANCE * 0.7],
+            sky: [Vec3::new(0.165, 0.195, 0.245), FLOOR_RADIANCE * 0.7],
             floor: floor_level.filter(is_below_camera).map(|level| Floor {
                 level,
                 ground: None,

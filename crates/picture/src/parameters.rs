@@ -139,7 +139,7 @@ parameters! {
             camera: Option<CameraPlacement> = None, text(CAMERA).auto();
             /// How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; "auto" shows everything.
             close_up: Option<f64> = None, number(Unit::One, 0.5, 1000.0).auto().logarithmic();
-            /// What the wood stands on; "auto" puts a break on a workbench, a large one on fallen leaves, and anything else before the plain backdrop.
+            /// What the wood stands on; "auto" puts a break on a floor of concrete, a large one on fallen leaves, and anything else before the plain backdrop.
             ground: Option<Ground> = None, choice(Ground::CHOICES).auto();
             /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; "auto" is a little on a ground and nothing before the plain backdrop.
             depth_of_field: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();

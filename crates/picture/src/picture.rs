@@ -17,7 +17,7 @@ pub struct Picture {
 }
 
 /// End of the linear part of the tone curve, which preserves the colours of wood; above, the curve bends towards white.
-const TONE_CURVE_SHOULDER: f32 = 0.65;
+const TONE_CURVE_SHOULDER: f32 = 0.45;
 
 /// What turns light into the levels of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,8 +34,8 @@ const PHOTOGRAPHIC_EXPOSURE: f32 = 1.36;
 
 /// Luminance that the brightest large parts of a photograph have at most, and the share of its pixels that is brighter than those: the
 /// photographer exposes for the highlights.
-const HIGHLIGHT: f32 = 0.62;
-const HIGHLIGHT_SHARE: f64 = 0.12;
+const HIGHLIGHT: f32 = 0.60;
+const HIGHLIGHT_SHARE: f64 = 0.03;
 
 impl Film {
     /// The exposure of a picture whose brightest large parts have this luminance.
@@ -166,7 +166,7 @@ mod tests {
     /// The level of a large part of this radiance, beside a small one that is lighter.
     fn level(radiance: f32, film: Film) -> u8 {
         let mut all = vec![Vec3::splat(radiance); 1000];
-        all[..50].fill(Vec3::splat(4.0));
+        all[..20].fill(Vec3::splat(4.0));
         Picture::from_radiance(1000, 1, &all, film).rgb[3 * 500]
     }
 

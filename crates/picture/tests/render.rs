@@ -486,7 +486,7 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         let row = row(picture, y);
         row.windows(3).map(|p| (p[2] - p[0]).pow(2)).sum()
     };
-    for ground in [Ground::Bench, Ground::Litter] {
+    for ground in [Ground::Bench, Ground::Concrete, Ground::Litter] {
         let sharp = with(ground, true, Some(0.0));
         let plain = with(Ground::Plain, true, Some(0.0));
         assert!(

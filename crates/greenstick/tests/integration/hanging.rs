@@ -187,20 +187,17 @@ fn a_break_stands_on_a_ground() {
         ..PictureOptions::default()
     };
     let with = |ground| picture_of_break(&broken, &options(ground), &Context::quiet()).unwrap();
-    let usual = with(None);
-    assert_eq!(usual, with(Some(Ground::Bench)));
-    // Planks are brown and the backdrop is grey: the corner above the pieces shows either.
-    let corner = |picture: &greenstick::picture::Picture| {
-        let [red, _, blue] = [0, 1, 2].map(|c| i32::from(picture.rgb[3 * 45 + c]));
-        red - blue
+    assert_eq!(with(None), with(Some(Ground::Concrete)));
+    // Planks are brown, concrete is nearly grey, and the backdrop is lighter: the edge above the pieces shows which it is.
+    let edge = |ground| {
+        let picture = with(ground);
+        [0, 1, 2].map(|c| f64::from(picture.rgb[3 * 45 + c]))
     };
-    let plain = with(Some(Ground::Plain));
-    assert!(
-        corner(&usual) > corner(&plain) + 8,
-        "{} {}",
-        corner(&usual),
-        corner(&plain)
-    );
+    let [plain, planks] = [Ground::Plain, Ground::Bench].map(|g| edge(Some(g)));
+    let usual = edge(None);
+    assert!(plain[1] > usual[1] + 20.0, "{plain:?} {usual:?}");
+    let tint = |[red, _, blue]: [f64; 3]| (red - blue) / red;
+    assert!(tint(planks) > 1.5 * tint(usual), "{planks:?} {usual:?}");
     let scene =
         |ground| picture_of_scene(&broken.scene, &options(ground), &Context::quiet()).unwrap();
     assert_eq!(scene(None), scene(Some(Ground::Plain)));

@@ -1,7 +1,8 @@
-//! What a scene stands on, where a picture shows more of it than shadows: a worn workbench, or a forest floor. Both are patterns
-//! of the place in true size, so that they tell the eye how large the wood is.
+//! What a scene stands on, where a picture shows more of it than shadows: a worn workbench, a floor of concrete, or a forest floor.
+//! They are patterns of the place in true size, so that they tell the eye how large the wood is.
 
 mod bench;
+mod concrete;
 mod litter;
 mod look;
 mod noise;
@@ -18,22 +19,24 @@ choices! {
         Plain = "plain",
         /// The planks of a worn workbench.
         Bench = "bench",
+        /// A floor of worn concrete.
+        Concrete = "concrete",
         /// Soil under fallen leaves.
         Litter = "litter",
     }
 }
 
-/// Extent of what a picture shows from which on it stands outdoors, m: more than that is lifted on no bench.
+/// Extent of what a picture shows from which on it stands outdoors, m: more than that is carried into no workshop.
 const OUTDOORS_EXTENT: f64 = 1.5;
 
 impl Ground {
-    /// The ground that suits a picture of these points: a bench for what a hand can hold, fallen leaves for what is larger.
+    /// The ground that suits a picture of these points: the floor of a workshop for what can be carried into one, fallen leaves for what is larger.
     ///
     /// ```
     /// use glam::DVec3;
     /// use greenstick_picture::Ground;
     ///
-    /// assert_eq!(Ground::under(&[DVec3::ZERO, DVec3::X * 0.1]), Ground::Bench);
+    /// assert_eq!(Ground::under(&[DVec3::ZERO, DVec3::X * 0.1]), Ground::Concrete);
     /// assert_eq!(Ground::under(&[DVec3::ZERO, DVec3::X * 3.0]), Ground::Litter);
     /// ```
     pub fn under(points: &[DVec3]) -> Ground {
@@ -42,7 +45,7 @@ impl Ground {
             .iter()
             .fold((first, first), |(low, high), &p| (low.min(p), high.max(p)));
         match corners.0.distance(corners.1) < OUTDOORS_EXTENT {
-            true => Ground::Bench,
+            true => Ground::Concrete,
             false => Ground::Litter,
         }
     }
@@ -88,6 +91,7 @@ impl ShownGround {
         let footprint = self.pixel_size * distance / fall.abs().max(LEAST_FALL).sqrt();
         let GroundSurface { color, slope } = match self.kind {
             Ground::Litter => litter::litter(place, footprint as f32),
+            Ground::Concrete => concrete::concrete(place, footprint as f32),
             Ground::Bench | Ground::Plain => bench::bench(place, footprint as f32),
         };
         let [x, y] = self.axes.map(|axis| axis.as_vec3());
@@ -119,6 +123,7 @@ mod tests {
     fn grounds_keep_their_brightness_and_lose_their_detail_from_afar() {
         for (name, look) in [
             ("bench", bench::bench as fn(Vec2, f32) -> GroundSurface),
+            ("concrete", concrete::concrete),
             ("litter", litter::litter),
         ] {
             let (near, rough) = statistics(look, 1e-5);
@@ -133,6 +138,7 @@ mod tests {
     fn colours_are_reflectances_everywhere() {
         for look in [
             bench::bench as fn(Vec2, f32) -> GroundSurface,
+            concrete::concrete,
             litter::litter,
         ] {
             for i in 0..20_000 {

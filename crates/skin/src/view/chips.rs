@@ -3,35 +3,48 @@
 use super::broken::BreakView;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_geometry::{Attribute, Mesh, Node};
-use greenstick_wood::noise::unit;
+use greenstick_wood::noise::{hash, unit};
 use std::f64::consts::TAU;
 
-/// Chips about each piece.
-const COUNT: i64 = 150;
-/// Least length and what the longest has more, m, on a stem of the reference radius; most are short.
-const LENGTHS: (f64, f64) = (0.8e-3, 13e-3);
+/// Chips about each piece, and between two pieces, where most of them fall.
+const COUNT: i64 = 110;
+const COUNT_BETWEEN: i64 = 520;
+/// Least length and what the longest has more, m, on a stem of the reference radius, of slivers and of crumbs; most are short.
+const SLIVER_LENGTHS: (f64, f64) = (0.8e-3, 19e-3);
+const CRUMB_LENGTHS: (f64, f64) = (0.25e-3, 2.6e-3);
 /// Radius (m) of the stem on which chips have these lengths, and the range of the factor on them on others.
 const REFERENCE_RADIUS: f64 = 0.02;
 const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
-/// Widths of slivers as a part of their length, and thicknesses as a part of their width.
-const WIDTHS: (f64, f64) = (0.035, 0.17);
-const THICKNESSES: (f64, f64) = (0.12, 0.4);
+/// Widths of slivers and of crumbs as a part of their length, and thicknesses as a part of their width.
+const SLIVER_WIDTHS: (f64, f64) = (0.03, 0.16);
+const CRUMB_WIDTHS: (f64, f64) = (0.15, 0.55);
+const THICKNESSES: (f64, f64) = (0.15, 0.6);
 /// Least width, m on a stem of the reference radius.
-const LEAST_WIDTH: f64 = 0.25e-3;
+const LEAST_WIDTH: f64 = 0.22e-3;
 /// How far from a piece's middle chips lie, in half its widths: from the piece's outside, most of them near.
 const DISTANCES: (f64, f64) = (1.02, 2.6);
+/// How far chips between the pieces lie from the middle between them at most, and from the middle of each at least, in widths of the
+/// section.
+const REACH_BETWEEN: f64 = 2.4;
+const CLEAR_OF_PIECES: f64 = 0.42;
 /// Heaps that chips lie in, how far they spread about those, rad, and the share of chips that lie anywhere.
 const HEAPS: f64 = 5.0;
 const HEAP_SPREAD: f64 = 0.9;
 const SCATTERED: f64 = 0.35;
+/// Share of chips that are crumbs rather than slivers, and of those that are bark.
+const CRUMBS: f64 = 0.68;
+const BARK: f64 = 0.10;
 /// How much of the length a chip is bowed up at its ends.
 const BOW: f64 = 0.06;
-/// How far from the pith the wood of chips grew, radii: that of bark is dark.
+/// How far from the pith the wood of chips grew at most, and the bark of others, radii.
 const OUTERMOST: f64 = 0.85;
+const BARK_GROWN: f64 = 0.985;
 /// Parts of the length at which a chip has a section, and its width there: both ends are torn.
 const SECTIONS: [(f64, f64); 4] = [(0.0, 0.55), (0.3, 0.95), (0.72, 1.0), (1.0, 0.3)];
 /// In the hash: what random numbers are drawn for.
 const PURPOSE: u64 = 0xc419;
+/// The number of the place between the pieces, after those of the pieces.
+const BETWEEN: i64 = 2;
 
 impl BreakView<'_> {
     /// Returns chips of the wood inside that lie about both pieces of an opened break, whose upper piece had a motion from where it
@@ -42,36 +55,37 @@ impl BreakView<'_> {
             .iter()
             .map(|p| p.dot(up))
             .fold(f64::INFINITY, f64::min);
+        let [low, high] = self.range;
         let mut fallen = Fallen {
             view: self,
             up,
             right: up.any_orthonormal_vector(),
+            seed: PURPOSE ^ hash(PURPOSE, low.to_bits() as i64, high.to_bits() as i64, 0),
             mesh: Mesh::default(),
             grain: Vec::new(),
         };
-        let on_floor = |middle: DVec3| middle + up * (level - middle.dot(up));
-        let middles = self.piece_middles(motion.unwrap_or(&DAffine3::IDENTITY));
-        let middles = middles.map(on_floor);
-        let count = if shown.is_empty() { 0 } else { COUNT };
-        for piece in 0..if motion.is_some() { 2 } else { 1 } {
-            let other = motion.map(|_| middles[1 - piece]);
-            for number in 0..count {
-                let random = |k: i64| unit(PURPOSE, piece as i64, number, k);
-                fallen.add(middles[piece], other, random);
-            }
+        if !shown.is_empty() {
+            let on_floor = |middle: DVec3| middle + up * (level - middle.dot(up));
+            let middles = self.piece_middles(motion.unwrap_or(&DAffine3::IDENTITY));
+            fallen.scatter(middles.map(on_floor), motion.is_some());
         }
         Node::new("chips", DAffine3::IDENTITY, fallen.finish())
     }
 }
 
 /// Draws the angle (rad) at which a chip lies about a piece.
-fn side(random: &impl Fn(i64) -> f64) -> f64 {
+fn side(seed: u64, random: &impl Fn(i64) -> f64) -> f64 {
     if random(21) < SCATTERED {
         return TAU * random(1);
     }
     let heap = (HEAPS * random(1)).floor();
-    let middle = TAU * unit(PURPOSE, heap as i64, -1, 0);
+    let middle = TAU * unit(seed, heap as i64, -1, 0);
     middle + HEAP_SPREAD * (random(22) + random(23) - 1.0)
+}
+
+/// A number of a range, `part` of the way through it, of which the second is the extent.
+fn within((least, extent): (f64, f64), part: f64) -> f64 {
+    least + extent * part
 }
 
 /// Chips on a floor.
@@ -80,34 +94,70 @@ struct Fallen<'a> {
     up: DVec3,
     /// A direction along the floor.
     right: DVec3,
+    /// Of what is random: no two breaks have the same chips.
+    seed: u64,
     mesh: Mesh,
     grain: Vec<f32>,
 }
 
 impl Fallen<'_> {
-    /// Adds a chip beside a piece whose middle on the floor is given, and that of the other piece, if any, in which none lies.
-    fn add(&mut self, middle: DVec3, other: Option<DVec3>, random: impl Fn(i64) -> f64) {
+    /// Adds the chips about pieces whose middles on the floor are these; the first lies alone where the other is not `opened`.
+    fn scatter(&mut self, middles: [DVec3; 2], opened: bool) {
+        let width = self.view.width;
+        for piece in 0..if opened { 2 } else { 1 } {
+            for number in 0..COUNT {
+                let seed = self.seed;
+                let random = |k: i64| unit(seed, piece as i64, number, k);
+                let (least, most) = DISTANCES;
+                let distance = within((least, most - least), random(0) * random(20));
+                let place =
+                    middles[piece] + self.direction(side(seed, &random)) * (0.5 * width * distance);
+                let other = middles[1 - piece];
+                if !opened || place.distance(other) > 0.5 * width * least {
+                    self.add(place, random);
+                }
+            }
+        }
+        // Pieces of a board lie flat on the floor.
+        if !opened || self.view.long_side.is_some() {
+            return;
+        }
+        let middle = 0.5 * (middles[0] + middles[1]);
+        for number in 0..COUNT_BETWEEN {
+            let seed = self.seed;
+            let random = |k: i64| unit(seed, BETWEEN, number, k);
+            let distance = REACH_BETWEEN * width * random(0) * random(20);
+            let place = middle + self.direction(TAU * random(1)) * distance;
+            let clear = CLEAR_OF_PIECES * width;
+            if middles.iter().all(|m| place.distance(*m) > clear) {
+                self.add(place, random);
+            }
+        }
+    }
+
+    /// Adds a chip at a place of the floor.
+    fn add(&mut self, place: DVec3, random: impl Fn(i64) -> f64) {
         let radius = self.view.stem.radius;
         let size = (radius / REFERENCE_RADIUS).sqrt();
         let size = size.clamp(SIZE_RANGE.0, SIZE_RANGE.1);
-        let between = |(low, high): (f64, f64), part: f64| low + (high - low) * part;
-        let far = random(0) * random(20);
-        let distance = between(DISTANCES, far) * 0.5 * self.view.width;
-        let place = middle + self.direction(side(&random)) * distance;
-        let nearest = DISTANCES.0 * 0.5 * self.view.width;
-        if other.is_some_and(|other| place.distance(other) < nearest) {
-            return;
-        }
-        let long = random(2) * random(2) * random(3);
-        let length = size * (LENGTHS.0 + LENGTHS.1 * long);
+        let between = |(low, high): (f64, f64), part: f64| within((low, high - low), part);
+        let (lengths, widths) = match random(24) < CRUMBS {
+            true => (CRUMB_LENGTHS, CRUMB_WIDTHS),
+            false => (SLIVER_LENGTHS, SLIVER_WIDTHS),
+        };
+        let length = size * within(lengths, random(2) * random(2) * random(3));
         let width =
-            (length * between(WIDTHS, random(4))).max(size * LEAST_WIDTH * (0.5 + random(5)));
+            (length * between(widths, random(4))).max(size * LEAST_WIDTH * (0.5 + random(5)));
         let thickness = width * between(THICKNESSES, random(6));
         let turn = TAU * random(7);
         let (along, beside) = (self.direction(turn), self.direction(turn + 0.25 * TAU));
         // The wood that it was.
         let (sin, cos) = libm::sincos(TAU * random(8));
-        let grown = DVec2::new(cos, sin) * (OUTERMOST * radius * random(9).sqrt());
+        let part = match self.view.stem.kind.has_bark() && random(25) < BARK {
+            true => BARK_GROWN,
+            false => OUTERMOST * random(9).sqrt(),
+        };
+        let grown = DVec2::new(cos, sin) * (part * radius);
         let grown = grown.extend(self.view.stem.location + 0.5 * length * (random(10) - 0.5));
         let first = self.mesh.positions.len() as u32;
         for (part, swell) in SECTIONS {
