@@ -686,7 +686,7 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
         ridge *= 1.0 - shares[i] * (1.0 - open);
     }
     var flake_sizes = array<f32, 4>(1.7, 0.5, 0.16, 0.055);
-    var flake_shares = array<f32, 4>(0.18, 0.22, 0.30, 0.34);
+    var flake_shares = array<f32, 4>(0.09, 0.26, 0.36, 0.34);
     var shade = 0.0;
     for (var i = 0; i < 4; i++) {
         let size = flake_sizes[i] * width;
@@ -699,13 +699,13 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
         slope += n.xyz * scale * (0.16 * min(size, depth * 4.0) * visible(0.5 * size, footprint));
     }
     let patchy = noise(seed ^ 3u, place * vec3<f32>(1.0, 1.0, 0.7) / (5.0 * width)).w;
-    let lichen = 0.62 * smoothstep(0.30, 0.46, patchy + 0.8 * shade);
-    var weathered = mix(wood.ridge.rgb, vec3<f32>(0.27, 0.275, 0.225), max(lichen, clamp(0.34 + 0.3 * patchy, 0.0, 0.68)));
+    let lichen = 0.62 * smoothstep(0.36, 0.47, patchy + 1.25 * shade);
+    var weathered = mix(wood.ridge.rgb, vec3<f32>(0.27, 0.275, 0.225), max(lichen, clamp(0.34 + 0.12 * patchy + 0.45 * shade, 0.0, 0.68)));
     // Algae grow on the side that stays damp.
     let damp = 6.2831853 * unit(seed, 5, 0, 0);
     let side = smoothstep(-0.35, 1.0, dot(place.xy, vec2<f32>(cos(damp), sin(damp))) / max(length(place.xy), 1e-6));
     let alga = noise(seed ^ 5u, place * vec3<f32>(1.0, 1.0, 0.5) / (9.0 * width)).w;
-    weathered = mix(weathered, vec3<f32>(0.128, 0.142, 0.066), 0.55 * side * smoothstep(-0.55, 0.45, alga + 0.7 * shade));
+    weathered = mix(weathered, vec3<f32>(0.128, 0.142, 0.066), 0.40 * side * smoothstep(-0.55, 0.45, alga + 0.7 * shade));
     var look: Look;
     var color = mix(wood.furrow.rgb, weathered, 0.3 + 0.7 * ridge) * max(1.0 + 1.3 * shade, 0.15);
     if (wood.vessels.w > 0.0) {

@@ -26,7 +26,7 @@ const DISTANCES: (f64, f64) = (1.02, 2.6);
 /// How far chips between the pieces lie from the middle between them at most, and from the middle of each at least, in widths of the
 /// section.
 const REACH_BETWEEN: f64 = 2.4;
-const CLEAR_OF_PIECES: f64 = 0.42;
+const CLEAR_OF_PIECES: f64 = 0.52;
 /// Heaps that chips lie in, how far they spread about those, rad, and the share of chips that lie anywhere.
 const HEAPS: f64 = 5.0;
 const HEAP_SPREAD: f64 = 0.9;

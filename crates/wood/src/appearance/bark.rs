@@ -126,7 +126,7 @@ const FURROWS: [FigureSize; 3] = [
 const UNEVEN_RIDGES: FigureSize = figure(3.4, 2.6, 1.1);
 /// Flakes, scales and dust between them.
 const FLAKES: [FigureSize; 4] = [
-    figure(1.7, 2.0, 0.18),
+    figure(1.7, 2.0, 0.09),
     figure(0.5, 1.6, 0.26),
     figure(0.16, 1.3, 0.36),
     figure(0.055, 1.0, 0.34),
@@ -146,10 +146,14 @@ const FLAKE_DETAIL: f64 = 0.5;
 /// Share of dust on ridges, and of lichen in its patches, and the values of the noise between which their edges lie.
 const DUST: f64 = 0.34;
 const LICHEN_SHARE: f64 = 0.62;
-const LICHEN_EDGE: (f64, f64) = (0.30, 0.46);
+/// How much more dust there is in patches, and on flakes that are light, and how much those fray the edges of lichen.
+const DUST_PATCHES: f64 = 0.12;
+const DUST_FLAKES: f64 = 0.45;
+const LICHEN_FRAYING: f64 = 1.25;
+const LICHEN_EDGE: (f64, f64) = (0.36, 0.47);
 /// Algae on the side that stays damp: colour, the most of them, and how far they spread about the stem, as a cosine.
 const ALGAE: DVec3 = DVec3::new(0.128, 0.142, 0.066);
-const ALGAE_SHARE: f64 = 0.55;
+const ALGAE_SHARE: f64 = 0.40;
 const ALGAE_SIDE: (f64, f64) = (-0.35, 1.0);
 /// Linear colours of lichen and dust, and of lenticels.
 const LICHEN: DVec3 = DVec3::new(0.27, 0.275, 0.225);
@@ -236,11 +240,11 @@ impl BarkAppearance {
         // Dust, and patches of lichen with frayed edges: a greenish grey that grows on ridges.
         let patches = (DVec3::splat(5.0 * width), 1.0 / 0.7);
         let (patch, _) = self.noise((noises, PATCH_NOISE), seed ^ 3, place, patches);
-        let lichen = smoothstep(LICHEN_EDGE.0, LICHEN_EDGE.1, patch + 0.8 * shade) * LICHEN_SHARE;
+        let lichen = smoothstep(LICHEN_EDGE.0, LICHEN_EDGE.1, patch + LICHEN_FRAYING * shade) * LICHEN_SHARE;
         let weathered = mix(
             DVec3::from_array(self.ridge_color),
             LICHEN,
-            lichen.max((DUST + 0.3 * patch).clamp(0.0, DUST * 2.0)),
+            lichen.max((DUST + DUST_PATCHES * patch + DUST_FLAKES * shade).clamp(0.0, DUST * 2.0)),
         );
         let weathered = mix(weathered, ALGAE, self.algae(place, at.angle, shade, noises));
         let furrow_color = DVec3::from_array(self.furrow_color);
