@@ -6,7 +6,7 @@ use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
 use crate::focus::spread;
-use crate::ground::{Ground, ShownGround};
+use crate::ground::{FallenLeaves, Ground, ShownGround};
 use crate::item::Item;
 use crate::light::Studio;
 use crate::picture::{Film, Picture};
@@ -175,6 +175,8 @@ pub fn render(
         .map(|p| p.dot(up))
         .fold(f64::INFINITY, f64::min);
     let coin = (options.coin).then(|| Coin::before(shown, &camera, up));
+    let leaves = (options.ground == Some(Ground::Litter) && options.floor)
+        .then(|| FallenLeaves::about(shown, &camera, up));
     let with_coin: Vec<Item>;
     let mut items = items;
     if let Some(coin) = &coin {
@@ -182,6 +184,12 @@ pub fn render(
         camera = aimed(&wider, options, rendered)?;
         with_coin = coin.beside(items);
         items = &with_coin;
+        points = world_points(items)?;
+    }
+    let with_leaves: Vec<Item>;
+    if let Some(leaves) = &leaves {
+        with_leaves = leaves.beside(items);
+        items = &with_leaves;
         points = world_points(items)?;
     }
     let scene = Scene::new(items, &points);

@@ -5,7 +5,7 @@ use super::noise::{smoothstep, unit, value, visible};
 use glam::{Vec2, Vec3};
 
 /// Layers of leaves from the top: distance between leaves, m, and the share of places that have one.
-const LAYERS: [(f32, f32); 4] = [(0.15, 0.30), (0.085, 0.6), (0.06, 0.8), (0.03, 0.8)];
+const LAYERS: [(f32, f32); 4] = [(0.085, 0.30), (0.052, 0.6), (0.036, 0.8), (0.019, 0.8)];
 /// Half length and half width of a leaf, in distances between leaves: least, and what the largest has more.
 const LENGTHS: (f32, f32) = (0.42, 0.34);
 const WIDTHS: (f32, f32) = (0.13, 0.24);
@@ -37,7 +37,7 @@ const SEED: u32 = 0x11f7;
 
 /// The forest floor at a place; detail finer than `footprint` (m) is averaged.
 pub(super) fn litter(place: Vec2, footprint: f32) -> GroundSurface {
-    let seen = visible(0.06, footprint);
+    let seen = visible(0.036, footprint);
     if seen == 0.0 {
         return GroundSurface {
             color: MEAN,

@@ -3,6 +3,7 @@
 
 mod bench;
 mod concrete;
+mod leaves;
 mod litter;
 mod look;
 mod noise;
@@ -10,6 +11,7 @@ mod noise;
 use crate::camera::Camera;
 use glam::{DVec2, DVec3, Vec3};
 use greenstick_schema::choices;
+pub(crate) use leaves::FallenLeaves;
 use look::GroundSurface;
 
 choices! {

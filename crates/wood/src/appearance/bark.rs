@@ -240,7 +240,8 @@ impl BarkAppearance {
         // Dust, and patches of lichen with frayed edges: a greenish grey that grows on ridges.
         let patches = (DVec3::splat(5.0 * width), 1.0 / 0.7);
         let (patch, _) = self.noise((noises, PATCH_NOISE), seed ^ 3, place, patches);
-        let lichen = smoothstep(LICHEN_EDGE.0, LICHEN_EDGE.1, patch + LICHEN_FRAYING * shade) * LICHEN_SHARE;
+        let lichen =
+            smoothstep(LICHEN_EDGE.0, LICHEN_EDGE.1, patch + LICHEN_FRAYING * shade) * LICHEN_SHARE;
         let weathered = mix(
             DVec3::from_array(self.ridge_color),
             LICHEN,
