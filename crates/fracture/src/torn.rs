@@ -12,7 +12,7 @@ mod shards;
 
 use crate::ends::{EndNode, TornEnd, TornEnds};
 use crate::field::HeightField;
-use crate::height_model::{HeightModel, NoiseSamplers, unit};
+use crate::height_model::{HeightModel, NoiseSamplers, purpose, unit};
 use crate::layout::{FibreBundle, FibreBundles};
 use crate::parameters::ZoneParameters;
 use crate::plates::brittleness;
@@ -79,6 +79,8 @@ struct LargeShape {
     torn: f64,
     /// Factor on the torn relief.
     relief: f64,
+    /// How much of the height of slabs there is, 0 to 1.
+    slabs: f64,
     /// Factor on the length of thorns.
     thorns: f64,
 }
@@ -86,6 +88,8 @@ struct LargeShape {
 /// Distances from the edge of the compression shelf, radii, between which crushed wood passes into torn wood, and by how much those
 /// of slivers and of bundles differ.
 const SHELF_EDGE: (f64, f64) = (-0.1, 0.4);
+/// Distance from that edge, radii, from which on slabs have their whole height: beside crushed wood it tears short.
+const SLABS_FROM: f64 = 0.8;
 const SHELF_SLIVERS: f64 = 0.24;
 const SHELF_BUNDLES: f64 = 0.12;
 /// By how much the borders of layers wander, and by how much those of slivers differ, radii.
@@ -118,6 +122,14 @@ const PLATE_SHARPNESS: f64 = 0.85;
 /// Length of a long sliver from its root and of the taper of it, over the length that is drawn for it.
 const SLIVER_LENGTH: f64 = 2.5;
 const TAPER: f64 = 1.35;
+/// Length of the slivers of a slab that tear together, over the longest.
+const COMMON_LENGTH: f64 = 0.63;
+/// Share of the slivers that broke off nearly square, their taper over the usual one, and the least and the greatest taper of the others.
+const SQUARE_SHARE: f64 = 0.15;
+const SQUARE_TAPER: f64 = 0.2;
+const TAPERS: (f64, f64) = (0.5, 2.4);
+/// How frayed the parts of slivers are: few are frayed far.
+const FRAYED: (f64, f64) = (0.2, 2.5);
 /// How much of the height of its slab a bundle has at its own place, and how much of it the shortest sliver lacks.
 const OWN_SHARE: f64 = 0.35;
 const SHORTEST: f64 = 0.75;
@@ -135,7 +147,7 @@ const STRANDS_OUT: f64 = 0.35;
 /// Share of the strands that do not end out of it.
 const LATE_STRANDS: f64 = 0.88;
 /// Height of the tongues of bark from which on it breaks fully on the slant, radii.
-const SLANTED_BARK: f64 = 0.5;
+const SLANTED_BARK: f64 = 0.35;
 /// Greatest length of a blade over its width.
 const MAX_SLENDERNESS: f64 = 9.0;
 
@@ -187,6 +199,15 @@ impl<'a> TornRelief<'a> {
         if self.model.p.compression_shelf > 0.0 {
             let (from, to) = SHELF_EDGE;
             noise::smoothstep(from, to, shelf)
+        } else {
+            1.0
+        }
+    }
+
+    /// Returns how much of the height of its slab wood has near the compression shelf, 0 to 1: it tears short there, without pits.
+    fn slab_share(&self, shelf: f64) -> f64 {
+        if self.model.p.compression_shelf > 0.0 {
+            noise::smoothstep(SHELF_EDGE.0, SLABS_FROM, shelf)
         } else {
             1.0
         }
@@ -260,6 +281,7 @@ impl<'a> TornRelief<'a> {
                 tilt: model.tilt,
                 torn: self.torn_share(shelf),
                 relief: model.site.relief,
+                slabs: self.slab_share(shelf),
                 thorns: 1.0,
             };
             return match self.added {
@@ -276,6 +298,7 @@ impl<'a> TornRelief<'a> {
             tilt: DVec2::ZERO,
             torn,
             relief,
+            slabs: 1.0,
             thorns: torn * relief,
         }
     }
@@ -302,7 +325,8 @@ impl<'a> TornRelief<'a> {
         let (own_height, shared) = end.slab_heights;
         let (own_share, shortest) = self.slab_shares();
         let short = end.sliver_random[0];
-        let shortened = 1.0 - shortest * short * short;
+        let together = self.ends.slabs.slab(end.slab as usize).together;
+        let shortened = 1.0 - shortest * (1.0 - together) * short * short;
         let height = shared + (own_height - shared) * own_share;
         (height * shortened, own_share, shortened)
     }
@@ -326,11 +350,13 @@ impl<'a> TornRelief<'a> {
             tilt,
             torn,
             relief,
+            slabs,
             thorns,
         } = self.large_shape(noises, (index, end), (at, middle), noise);
         let slab = self.ends.slabs.slab(end.slab as usize);
         let (slab_height, own_share, shortened) = self.height_on_slab(end);
         let [_, long, high] = end.sliver_random;
+        let long = long + (COMMON_LENGTH - long) * slab.together;
         // Both halves keep their splinters: every other slab tears downwards.
         let up = if slab.height > 0.0 { 1.0 } else { -1.0 };
         // Short ones are common, long ones rare.
@@ -341,21 +367,24 @@ impl<'a> TornRelief<'a> {
         // Fibres: most end with their sliver, a few stand out of it far.
         let [far, blade, off] = end.fibre_random;
         let splintered = 1.0 - PLATE_SHARPNESS * self.brittle;
-        let fibre = splintered * relief * p.fibre_height * (0.25 + 0.75 * torn);
-        let blade =
-            fibre * (0.5 + 3.0 * far * far * far * far * torn) + 0.08 * torn * length * blade;
+        let frayed = self.frayed(end);
+        let fibre = frayed * splintered * relief * p.fibre_height * (0.25 + 0.75 * torn);
+        let blade = fibre * (0.5 + 3.0 * far * far * far * far * torn)
+            + 0.08 * frayed * torn * length * blade;
         let [drop, fork] = end.fork_random;
         let fork =
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
         let (crushed, crushed_blade) = self.crushed(end, torn);
         let slant = slab.slant * (torn * relief * p.slab_height);
-        let torn_height = relief * p.slab_height * slab_height
+        let torn_height = slabs * relief * p.slab_height * slab_height
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)
             + up * 0.6 * length * heavy(drop)
-            + splintered * p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
+            + splintered
+                * p.step_height
+                * (0.5 * end.step + 0.35 * frayed * heavy(end.crushed_random[0]))
             + self.brittle * BRITTLE_TERRACES * p.step_height * self.terrace(end, BRITTLE_STEPS)
             + fibre * (off - 0.5)
-            + up * outline * strand(far, off);
+            + up * outline * frayed.min(1.0) * strand(far, off);
         let cleft = up
             * splintered
             * (deeper * end.cleft)
@@ -377,7 +406,7 @@ impl<'a> TornRelief<'a> {
             slant: slant + tilt + shard.slant,
             sliver: up * outline,
             fork: up * fork,
-            slab: own_share * torn * relief * p.slab_height * shortened,
+            slab: slabs * own_share * torn * relief * p.slab_height * shortened,
             plates: torn * self.brittle * PLATE_HEIGHT * p.step_height,
             rough: torn * p.step_height * (1.0 - PLATE_SMOOTHNESS * self.brittle)
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
@@ -393,8 +422,34 @@ impl<'a> TornRelief<'a> {
     fn taper(&self, end: &TornEnd, length: f64, high: f64) -> (f64, f64) {
         let (width, _) = self.ends.slivers.region(end.sliver as usize).size();
         let most = MAX_SLENDERNESS * width * self.ends.ring_unit;
-        let outline = (TAPER * length + 0.7 * high).min(most);
+        let tapering = self.tapering(end);
+        let outline = (TAPER * length + 0.7 * high).min(most * tapering.max(1.0)) * tapering;
         ((SLIVER_LENGTH * length - outline).max(0.0), outline)
+    }
+
+    /// Returns how far a sliver tapers against others: some are broken off nearly square, by steps from part to part.
+    fn tapering(&self, end: &TornEnd) -> f64 {
+        if self.ends.is_board() {
+            return 1.0;
+        }
+        let square = self.random(purpose::SLIVER, i64::from(end.sliver), 11);
+        let far = self.random(purpose::SLIVER, i64::from(end.sliver), 12);
+        if square < SQUARE_SHARE {
+            SQUARE_TAPER
+        } else {
+            let (least, most) = TAPERS;
+            least + (most - least) * far * far
+        }
+    }
+
+    /// Returns how frayed the part of a sliver's tip is that a bundle is in: most are whole, some frayed into single fibres.
+    fn frayed(&self, end: &TornEnd) -> f64 {
+        if self.ends.is_board() {
+            return 1.0;
+        }
+        let random = self.random(purpose::FORK, i64::from(end.fork), 13);
+        let (least, most) = FRAYED;
+        least + (most - least) * random * random * random
     }
 
     /// Returns how much of the height of its slab a bundle has at its own place, where the rest is that of its sliver, and how much of
@@ -461,7 +516,7 @@ impl<'a> TornRelief<'a> {
             let direction = bundles.directions[node.node as usize];
             let out = direction * radius - (level.middle - self.ends.pith);
             let edge = level.sliver * node.shared_outline
-                + (level.sliver / SLANTED_BARK).min(1.0) * node.outward;
+                + (level.sliver / SLANTED_BARK).min(1.0).powi(3) * node.outward;
             let strip = self.ends.bundles[node.cell as usize].strip as usize;
             let phi = bundles.addresses[node.node as usize].1;
             let along = match (self.field, self.added) {

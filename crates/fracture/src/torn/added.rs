@@ -46,6 +46,7 @@ impl TornRelief<'_> {
             tilt: shape.tilt,
             torn: (shape.torn + (1.0 - shape.torn) * freed) * torn,
             relief: shape.relief * splintering,
+            slabs: shape.slabs,
             thorns: shape.thorns * torn * splintering,
         }
     }
