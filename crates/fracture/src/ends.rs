@@ -123,6 +123,9 @@ const FORKS: usize = 5;
 const FORK_BUNDLES: usize = 6;
 /// Of how many bundles slivers are on average, at least: with fewer they would all be of one size.
 const SLIVER_BUNDLES: usize = 20;
+/// Width of the clumps of brittle wood along the ring over their thickness across it, at most: it breaks across rings, and checks along
+/// rays.
+const BRITTLE_ASPECT: f64 = 0.7;
 /// How many times as large the span of a board's rings and rays counts at most.
 const MAX_SPANS: f64 = 8.0;
 /// Greatest length of such a part over its width.
@@ -201,13 +204,17 @@ impl TornEnds {
         );
         let slabs = Slabs::new(&span, slabs, key.brittle, key.seed);
         let sliver_seed = seed(key.seed, purpose::SLIVER);
+        let aspect = match key.brittle {
+            true => key.aspect.min(BRITTLE_ASPECT),
+            false => key.aspect,
+        };
         let slivers = match span.phi {
             None => {
                 let most = bundles.bundles.len() / SLIVER_BUNDLES;
-                slabs.split(slivers.min(most), key.aspect, sliver_seed)
+                slabs.split(slivers.min(most), aspect, sliver_seed)
             }
             // The slabs of a board are as thick as it is: its slivers run on through several.
-            Some(_) => SectionPartition::new(&span, slivers, key.aspect, sliver_seed),
+            Some(_) => SectionPartition::new(&span, slivers, aspect, sliver_seed),
         };
         let forks = (FORKS * slivers.count()).min(bundles.bundles.len() / FORK_BUNDLES);
         let mut ends = TornEnds {
@@ -217,7 +224,7 @@ impl TornEnds {
             board: span.phi.map(|_| BoardSection::new(bundles)),
             ring_unit,
             rays: Rays::new(&span),
-            forks: slivers.split(forks, key.aspect, seed(key.seed, purpose::FORK), |_| 1.0),
+            forks: slivers.split(forks, aspect, seed(key.seed, purpose::FORK), |_| 1.0),
             slabs,
             slivers,
             strips: Strips::new(p),

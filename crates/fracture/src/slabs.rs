@@ -479,4 +479,75 @@ mod tests {
             assert!(of(0.95) > 2.5 * of(0.5), "{} {}", of(0.95), of(0.5));
         }
     }
+
+    /// Few slabs stand far out, of both pieces, and what lies between them tore short. Tongues split into broad slivers, the others into
+    /// many small ones, so that slivers are of sizes far apart.
+    #[test]
+    fn few_tongues_stand_out_and_split_into_broad_slivers() {
+        for seed in 1..9 {
+            let slabs = Slabs::new(&SectionSpan::WHOLE, 7, false, seed);
+            let is_tongue = |n: usize| slabs.slabs[n].height.abs() >= 0.7;
+            let tongues: Vec<usize> = (0..7).filter(|&n| is_tongue(n)).collect();
+            assert!((2..=4).contains(&tongues.len()), "{tongues:?}");
+            let up = tongues.iter().filter(|&&n| slabs.slabs[n].height > 0.0);
+            assert!((1..tongues.len()).contains(&up.count()));
+            let short = (0..7).filter(|&n| !is_tongue(n));
+            assert!({ short }.all(|n| slabs.slabs[n].height.abs() <= 0.5));
+            let slivers = slabs.split(90, 4.0, seed);
+            assert_eq!(slivers.count(), 90);
+            let (mut broad, mut small, mut areas) = ((0.0, 0), (0.0, 0), Vec::new());
+            for (n, region) in slivers.regions.iter().enumerate() {
+                let (rho, phi) = slivers.middle(n);
+                let (number, _) = slabs.at(rho, phi);
+                let sum = if is_tongue(number) {
+                    &mut broad
+                } else {
+                    &mut small
+                };
+                *sum = (sum.0 + region.area(), sum.1 + 1);
+                areas.push(region.area());
+                // A sliver lies within one slab.
+                let ends = [region.phi.0, region.phi.1].map(|a| a + slivers.turn);
+                let off = 1e-6 * (ends[1] - ends[0]);
+                let at_ends = [ends[0] + off, ends[1] - off].map(|phi| slabs.at(rho, phi).0);
+                assert_eq!(at_ends, [number; 2]);
+            }
+            let mean = |(sum, count): (f64, i32)| sum / f64::from(count);
+            assert!(mean(broad) > 2.0 * mean(small), "{broad:?} {small:?}");
+            areas.sort_by(f64::total_cmp);
+            assert!(areas[88] > 15.0 * areas[2], "{} {}", areas[88], areas[2]);
+        }
+    }
+
+    /// Clumps of brittle wood run through rings: they are thicker across them than they are wide along them.
+    #[test]
+    fn parts_run_across_rings_where_they_are_to_be_narrow() {
+        for seed in 1..6 {
+            let slabs = Slabs::new(&SectionSpan::WHOLE, 7, true, seed);
+            let clumps = slabs.split(60, 0.7, seed);
+            let across = |n: &usize| {
+                let (width, thickness) = clumps.region(*n).size();
+                thickness > width
+            };
+            let count = (0..60).filter(across).count();
+            assert!(count > 35, "{count}");
+        }
+    }
+
+    #[test]
+    fn no_slab_of_brittle_wood_or_of_a_board_is_a_tongue() {
+        let board = SectionSpan {
+            rho: (0.8, 1.0),
+            phi: Some((1.1, 1.5)),
+        };
+        for (span, brittle) in [(SectionSpan::WHOLE, true), (board, false)] {
+            let slabs = Slabs::new(&span, 12, brittle, 3);
+            assert!(
+                slabs
+                    .slabs
+                    .iter()
+                    .all(|s| s.fineness == 1.0 && s.together == 0.0)
+            );
+        }
+    }
 }

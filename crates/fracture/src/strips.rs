@@ -243,6 +243,32 @@ mod tests {
         assert!(jumps > strips.count(), "{jumps}");
     }
 
+    /// Broad strips and plates lie beside narrow ones, and on a thick stem, too, a plate is several bundles wide: with one for each
+    /// bundle the rim would be a row of equal teeth.
+    #[test]
+    fn strips_and_plates_are_of_many_widths() {
+        for seed in 1..9 {
+            let p = BreakParameters {
+                seed,
+                ..BreakParameters::default()
+            };
+            for p in [p.clone(), p.at_size(0.85)] {
+                let strips = Strips::new(&p);
+                assert_eq!(strips.count(), p.bark_strips as usize);
+                for walls in [&strips.walls, &strips.plates] {
+                    let mut widths: Vec<f64> = walls.windows(2).map(|w| w[1] - w[0]).collect();
+                    let sum: f64 = widths.iter().sum();
+                    assert!((sum / TAU - 1.0).abs() < 1e-9, "{sum}");
+                    widths.sort_by(f64::total_cmp);
+                    let (narrow, broad) = (widths[widths.len() / 5], widths[widths.len() * 4 / 5]);
+                    assert!(broad > 2.5 * narrow, "{narrow} {broad}");
+                }
+                let plates = strips.plates.len() - 1;
+                assert!(plates >= strips.count() && 4 * plates <= p.sectors as usize);
+            }
+        }
+    }
+
     /// The rim of torn bark climbs along slanted edges rather than in sheer steps from plate to plate, like bricks.
     #[test]
     fn bark_tears_on_the_slant() {

@@ -9,10 +9,11 @@ mod added;
 mod bark;
 mod crushed;
 mod shards;
+mod tips;
 
 use crate::ends::{EndNode, TornEnd, TornEnds};
 use crate::field::HeightField;
-use crate::height_model::{HeightModel, NoiseSamplers, purpose, unit};
+use crate::height_model::{HeightModel, NoiseSamplers, unit};
 use crate::layout::{FibreBundle, FibreBundles};
 use crate::parameters::ZoneParameters;
 use crate::plates::brittleness;
@@ -79,6 +80,8 @@ struct LargeShape {
     torn: f64,
     /// Factor on the torn relief.
     relief: f64,
+    /// How high a layer still is that runs out there: none on it and beyond its end.
+    runs_out: f64,
     /// How much of the height of slabs there is, 0 to 1.
     slabs: f64,
     /// Factor on the length of thorns.
@@ -94,12 +97,14 @@ const SHELF_SLIVERS: f64 = 0.24;
 const SHELF_BUNDLES: f64 = 0.12;
 /// By how much the borders of layers wander, and by how much those of slivers differ, radii.
 const LAYER_WANDER: f64 = 0.07;
-const LAYER_SLIVERS: f64 = 0.09;
+const LAYER_SLIVERS: f64 = 0.16;
 /// Distance from the border of a layer over which it runs out in the wood, radii, the same over its height, at least, and how much of that height bundles have from the middle of
 /// their sliver.
 const LAYER_ROOT: f64 = 0.04;
 const LAYER_RUN_OUT: f64 = 0.055;
-const LAYER_SHARE: f64 = 0.6;
+const LAYER_SHARE: f64 = 0.9;
+/// Height of the outlines of slivers where a layer runs out, over its own there: it ends in tongues along the grain.
+const LAYER_FEATHER: f64 = 0.35;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
 const FOLD_HEIGHT: f64 = 0.4;
 const CRUSHED_ROUGHNESS: f64 = 0.07;
@@ -119,17 +124,8 @@ const PLATE_HEIGHT: f64 = 0.1;
 /// How much less rough they are than short breaks of wood that splinters, and how much lower fibres and steps stand out of them.
 const PLATE_SMOOTHNESS: f64 = 0.9;
 const PLATE_SHARPNESS: f64 = 0.85;
-/// Length of a long sliver from its root and of the taper of it, over the length that is drawn for it.
-const SLIVER_LENGTH: f64 = 2.5;
-const TAPER: f64 = 1.35;
 /// Length of the slivers of a slab that tear together, over the longest.
 const COMMON_LENGTH: f64 = 0.63;
-/// Share of the slivers that broke off nearly square, their taper over the usual one, and the least and the greatest taper of the others.
-const SQUARE_SHARE: f64 = 0.15;
-const SQUARE_TAPER: f64 = 0.2;
-const TAPERS: (f64, f64) = (0.5, 2.4);
-/// How frayed the parts of slivers are: few are frayed far.
-const FRAYED: (f64, f64) = (0.2, 2.5);
 /// How much of the height of its slab a bundle has at its own place, and how much of it the shortest sliver lacks.
 const OWN_SHARE: f64 = 0.35;
 const SHORTEST: f64 = 0.75;
@@ -148,8 +144,6 @@ const STRANDS_OUT: f64 = 0.35;
 const LATE_STRANDS: f64 = 0.88;
 /// Height of the tongues of bark from which on it breaks fully on the slant, radii.
 const SLANTED_BARK: f64 = 0.35;
-/// Greatest length of a blade over its width.
-const MAX_SLENDERNESS: f64 = 9.0;
 
 impl<'a> TornRelief<'a> {
     pub fn new(
@@ -275,8 +269,10 @@ impl<'a> TornRelief<'a> {
             let shelf = self.distance_to_shelf(end.shelf, at, middle)
                 + SHELF_SLIVERS * (end.sliver_random[2] - 0.5)
                 + SHELF_BUNDLES * (end.crushed_random[2] - 0.5);
+            let (layers, runs_out) = self.layers(end, across, (rho, bundle.phi));
             let shape = LargeShape {
-                level: self.layers(end, across, (rho, bundle.phi)) + noise,
+                level: layers + noise,
+                runs_out,
                 split: self.split(shelf, end.crushed_random[1]),
                 tilt: model.tilt,
                 torn: self.torn_share(shelf),
@@ -298,14 +294,15 @@ impl<'a> TornRelief<'a> {
             tilt: DVec2::ZERO,
             torn,
             relief,
+            runs_out: 0.0,
             slabs: 1.0,
             thorns: torn * relief,
         }
     }
 
-    /// Returns the inclination and the layers at a bundle, `across` in radii. A high layer runs out on the slant, in laths that
-    /// end together as slivers do.
-    fn layers(&self, end: &TornEnd, across: DVec2, (rho, phi): (f64, f64)) -> f64 {
+    /// Returns the inclination and the layers at a bundle, `across` in radii, and how high a layer still is that runs out there. A high
+    /// layer runs out on the slant, in laths that end together as slivers do.
+    fn layers(&self, end: &TornEnd, across: DVec2, (rho, phi): (f64, f64)) -> (f64, f64) {
         let p = self.model.p;
         let off = LAYER_WANDER * end.shelf + LAYER_SLIVERS * (end.sliver_random[2] - 0.5);
         let highest = p.high.height.max(-p.low.height);
@@ -313,10 +310,13 @@ impl<'a> TornRelief<'a> {
         let at = |rho, phi| self.model.stepped_torn(across, (rho, phi), (off, root));
         let own = at(rho, phi);
         if highest == 0.0 {
-            return own;
+            return (own, 0.0);
         }
         let (ring, ray) = self.ends.slivers.middle(end.sliver as usize);
-        own + (at(ring.min(1.0), ray) - own) * LAYER_SHARE
+        let shared = at(ring.min(1.0), ray);
+        let part = ((shared - across.dot(self.model.tilt)).abs() / highest).min(1.0);
+        let level = own + (shared - own) * LAYER_SHARE;
+        (level, 4.0 * part * (1.0 - part) * highest)
     }
 
     /// Returns the height of a sliver on its slab, which slivers run up like the treads of a stair, in slab heights; the share of the
@@ -350,6 +350,7 @@ impl<'a> TornRelief<'a> {
             tilt,
             torn,
             relief,
+            runs_out,
             slabs,
             thorns,
         } = self.large_shape(noises, (index, end), (at, middle), noise);
@@ -364,6 +365,7 @@ impl<'a> TornRelief<'a> {
         let length =
             longer * p.sliver_height * relief * torn * slab.splinters * (long * long * long);
         let (shaft, outline) = self.taper(end, length, p.sliver_height * relief * torn * high);
+        let feather = (LAYER_FEATHER * runs_out).min(self.longest_taper(end));
         // Fibres: most end with their sliver, a few stand out of it far.
         let [far, blade, off] = end.fibre_random;
         let splintered = 1.0 - PLATE_SHARPNESS * self.brittle;
@@ -385,17 +387,14 @@ impl<'a> TornRelief<'a> {
             + self.brittle * BRITTLE_TERRACES * p.step_height * self.terrace(end, BRITTLE_STEPS)
             + fibre * (off - 0.5)
             + up * outline * frayed.min(1.0) * strand(far, off);
-        let cleft = up
-            * splintered
-            * (deeper * end.cleft)
-            * relief
-            * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
+        let cleft = up * splintered * relief * self.cleft(end, deeper);
         let shard = self.shard((key, i64::from(end.fork)), (middle, width), torn);
         let base = level
             + shard.height
             + torn * (torn_height - cleft)
             + (1.0 - torn) * crushed
             + slant.dot(self.about_pivot(end, at))
+            - 0.5 * up * feather
             - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
         BundleHeight {
@@ -404,7 +403,7 @@ impl<'a> TornRelief<'a> {
             raggedness: fibre,
             middle,
             slant: slant + tilt + shard.slant,
-            sliver: up * outline,
+            sliver: up * (outline + feather),
             fork: up * fork,
             slab: slabs * own_share * torn * relief * p.slab_height * shortened,
             plates: torn * self.brittle * PLATE_HEIGHT * p.step_height,
@@ -412,44 +411,11 @@ impl<'a> TornRelief<'a> {
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
             folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
             noisy: CRUSHED_NOISE + (1.0 - CRUSHED_NOISE) * torn,
-            blade: up * blade.min(3.0 * MAX_SLENDERNESS * width) + shard.blade + crushed_blade,
+            blade: up * blade.min(3.0 * tips::MAX_SLENDERNESS * width)
+                + shard.blade
+                + crushed_blade,
             bark: false,
         }
-    }
-
-    /// Returns the heights of the shaft of a sliver and of its outline, the taper on it, which is most of it. `length` is that drawn
-    /// for it, and `high` a height that its outline has in any case.
-    fn taper(&self, end: &TornEnd, length: f64, high: f64) -> (f64, f64) {
-        let (width, _) = self.ends.slivers.region(end.sliver as usize).size();
-        let most = MAX_SLENDERNESS * width * self.ends.ring_unit;
-        let tapering = self.tapering(end);
-        let outline = (TAPER * length + 0.7 * high).min(most * tapering.max(1.0)) * tapering;
-        ((SLIVER_LENGTH * length - outline).max(0.0), outline)
-    }
-
-    /// Returns how far a sliver tapers against others: some are broken off nearly square, by steps from part to part.
-    fn tapering(&self, end: &TornEnd) -> f64 {
-        if self.ends.is_board() {
-            return 1.0;
-        }
-        let square = self.random(purpose::SLIVER, i64::from(end.sliver), 11);
-        let far = self.random(purpose::SLIVER, i64::from(end.sliver), 12);
-        if square < SQUARE_SHARE {
-            SQUARE_TAPER
-        } else {
-            let (least, most) = TAPERS;
-            least + (most - least) * far * far
-        }
-    }
-
-    /// Returns how frayed the part of a sliver's tip is that a bundle is in: most are whole, some frayed into single fibres.
-    fn frayed(&self, end: &TornEnd) -> f64 {
-        if self.ends.is_board() {
-            return 1.0;
-        }
-        let random = self.random(purpose::FORK, i64::from(end.fork), 13);
-        let (least, most) = FRAYED;
-        least + (most - least) * random * random * random
     }
 
     /// Returns how much of the height of its slab a bundle has at its own place, where the rest is that of its sliver, and how much of
@@ -470,6 +436,12 @@ impl<'a> TornRelief<'a> {
         } else {
             (1.0, 1.0)
         }
+    }
+
+    /// Returns how deep a cleft is, radii; `deeper` is a factor on it.
+    fn cleft(&self, end: &TornEnd, deeper: f64) -> f64 {
+        let p = self.model.p;
+        deeper * end.cleft * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height)
     }
 
     /// Returns a point (`at` in ring coordinates) from that about which the slab there slants, radii: the pith, or the middle of the
