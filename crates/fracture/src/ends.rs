@@ -118,9 +118,14 @@ pub(crate) struct EndNode {
     pub outward: f64,
 }
 
-/// How many parts a sliver splits into towards its tip, on average, and the most of all slivers.
+/// How many parts a sliver splits into towards its tip, on average, and of how many bundles those are on average, at least.
 const FORKS: usize = 5;
-const MAX_FORKS: usize = 4000;
+const FORK_BUNDLES: usize = 6;
+/// Of how many bundles slivers are on average, at least: with fewer they would all be of one size.
+const SLIVER_BUNDLES: usize = 20;
+/// Width of the clumps of brittle wood along the ring over their thickness across it, at most: it breaks across rings, and checks along
+/// rays.
+const BRITTLE_ASPECT: f64 = 0.7;
 /// How many times as large the span of a board's rings and rays counts at most.
 const MAX_SPANS: f64 = 8.0;
 /// Greatest length of such a part over its width.
@@ -197,6 +202,21 @@ impl TornEnds {
             count(key.slabs, spans.sqrt().sqrt()),
             count(key.slivers, spans),
         );
+        let slabs = Slabs::new(&span, slabs, key.brittle, key.seed);
+        let sliver_seed = seed(key.seed, purpose::SLIVER);
+        let aspect = match key.brittle {
+            true => key.aspect.min(BRITTLE_ASPECT),
+            false => key.aspect,
+        };
+        let slivers = match span.phi {
+            None => {
+                let most = bundles.bundles.len() / SLIVER_BUNDLES;
+                slabs.split(slivers.min(most), aspect, sliver_seed)
+            }
+            // The slabs of a board are as thick as it is: its slivers run on through several.
+            Some(_) => SectionPartition::new(&span, slivers, aspect, sliver_seed),
+        };
+        let forks = (FORKS * slivers.count()).min(bundles.bundles.len() / FORK_BUNDLES);
         let mut ends = TornEnds {
             layout: bundles.layout.clone(),
             key,
@@ -204,19 +224,9 @@ impl TornEnds {
             board: span.phi.map(|_| BoardSection::new(bundles)),
             ring_unit,
             rays: Rays::new(&span),
-            slabs: Slabs::new(&span, slabs, key.seed),
-            slivers: SectionPartition::new(
-                &span,
-                slivers,
-                key.aspect,
-                seed(key.seed, purpose::SLIVER),
-            ),
-            forks: SectionPartition::new(
-                &span,
-                (FORKS * slivers).min(MAX_FORKS),
-                key.aspect,
-                seed(key.seed, purpose::FORK),
-            ),
+            forks: slivers.split(forks, aspect, seed(key.seed, purpose::FORK), |_| 1.0),
+            slabs,
+            slivers,
             strips: Strips::new(p),
             wood: barked.then_some(wood),
             bundles: Vec::new(),

@@ -44,8 +44,8 @@ const SMALL: [Size; 2] = [
         hollow: 0.0,
     },
 ];
-/// How much wider plates are along the ring than across it.
-const FLATNESS: f64 = 1.8;
+/// How much wider plates are along the ring than across it: they run through rings rather than along them.
+const FLATNESS: f64 = 0.8;
 /// How far the edges of plates wind, and how often over a plate's width, in those widths.
 const WINDING: (f64, f64) = (0.3, 2.3);
 

@@ -92,6 +92,8 @@ const WEIGHTS: (f64, f64) = (0.2, 2.2);
 pub(crate) struct SectionPartition {
     regions: Vec<Region>,
     tree: Vec<Branch>,
+    /// Where in the tree each region is.
+    leaves: Vec<usize>,
     turn: f64,
     around: bool,
 }
@@ -100,19 +102,44 @@ impl SectionPartition {
     /// Splits the section into `count` regions of many sizes, each at most `aspect` times as wide along the ring as it is thick
     /// across it.
     pub fn new(span: &SectionSpan, count: usize, aspect: f64, seed: u64) -> Self {
-        let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
         let around = span.phi.is_none();
-        let mut regions = vec![Region {
-            rho: span.rho,
-            phi: span.phi.unwrap_or((0.0, TAU)),
-        }];
-        let mut weights = vec![regions[0].area()];
-        let mut tree = vec![Branch::Region(0)];
-        let mut leaves = vec![0];
-        while regions.len() < count {
-            let n = regions.len();
+        let whole = SectionPartition {
+            regions: vec![Region {
+                rho: span.rho,
+                phi: span.phi.unwrap_or((0.0, TAU)),
+            }],
+            tree: vec![Branch::Region(0)],
+            leaves: vec![0],
+            turn: if around {
+                TAU * noise::unit(seed, 0, 9, 0)
+            } else {
+                0.0
+            },
+            around,
+        };
+        whole.split(count, aspect, seed, |_| 1.0)
+    }
+
+    /// Splits the regions until there are `count` of them, each at most `aspect` times as wide along the ring as it is thick across it.
+    /// A region that has half the `fineness` is split into parts of twice the area.
+    pub fn split(
+        &self,
+        count: usize,
+        aspect: f64,
+        seed: u64,
+        fineness: impl Fn(usize) -> f64,
+    ) -> Self {
+        let mut made = self.clone();
+        let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
+        // Of each part that of the region that it is of.
+        let mut finenesses: Vec<f64> = (0..made.regions.len()).map(fineness).collect();
+        let mut weights: Vec<f64> = (made.regions.iter().zip(&finenesses))
+            .map(|(region, fine)| region.area() * fine)
+            .collect();
+        while made.regions.len() < count {
+            let n = made.regions.len();
             let largest = (1..n).fold(0, |l, i| if weights[i] > weights[l] { i } else { l });
-            let r = regions[largest];
+            let r = made.regions[largest];
             let part = PARTS.0 + (PARTS.1 - PARTS.0) * random(n, 0);
             let (width, thickness) = r.size();
             let ring = width <= aspect * thickness;
@@ -120,32 +147,29 @@ impl SectionPartition {
             let at = low + (high - low) * part;
             let mut other = r;
             if ring {
-                (regions[largest].rho.1, other.rho.0) = (at, at);
+                (made.regions[largest].rho.1, other.rho.0) = (at, at);
             } else {
-                (regions[largest].phi.1, other.phi.0) = (at, at);
+                (made.regions[largest].phi.1, other.phi.0) = (at, at);
             }
-            let below = tree.len();
-            tree[leaves[largest]] = Branch::Cut {
+            let below = made.tree.len();
+            made.tree[made.leaves[largest]] = Branch::Cut {
                 ring,
                 at,
                 below,
                 above: below + 1,
             };
-            tree.extend([Branch::Region(largest), Branch::Region(n)]);
-            leaves[largest] = below;
-            leaves.push(below + 1);
-            regions.push(other);
+            (made.tree).extend([Branch::Region(largest), Branch::Region(n)]);
+            made.leaves[largest] = below;
+            made.leaves.push(below + 1);
+            made.regions.push(other);
             // Many are split again and again, few stay broad.
+            let fine = finenesses[largest];
+            finenesses.push(fine);
             let weight = |random: f64| WEIGHTS.0 + (WEIGHTS.1 - WEIGHTS.0) * random * random;
-            weights[largest] = regions[largest].area() * weight(random(n, 1));
-            weights.push(other.area() * weight(random(n, 2)));
+            weights[largest] = made.regions[largest].area() * fine * weight(random(n, 1));
+            weights.push(other.area() * fine * weight(random(n, 2)));
         }
-        SectionPartition {
-            regions,
-            tree,
-            turn: if around { TAU * random(0, 9) } else { 0.0 },
-            around,
-        }
+        made
     }
 
     /// Returns an angle as the regions count it.
@@ -181,6 +205,11 @@ impl SectionPartition {
                 }
             }
         }
+    }
+
+    /// Returns the number of regions.
+    pub fn count(&self) -> usize {
+        self.regions.len()
     }
 
     /// Returns a region.
@@ -229,6 +258,65 @@ pub(crate) struct Slab {
     ridge: DVec2,
     /// Drop from the ridge to the edges, as part of the height.
     fall: f64,
+    /// How finely it is split into slivers against others.
+    fineness: f64,
+    /// How much its slivers have of one length, and of its height, 0 to 1.
+    pub together: f64,
+}
+
+/// What becomes of a slab.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    /// The only one of a face.
+    Single,
+    /// One of a board or of brittle wood: they differ evenly.
+    Even,
+    /// It stands far out of the lower piece, or out of the upper one.
+    Tongue { up: bool },
+    /// It tore short.
+    Short,
+}
+
+/// Share of the slabs that are tongues, and the fewest and the most of them, where there are as many slabs.
+const TONGUES: f64 = 0.4;
+const TONGUE_COUNTS: (usize, usize) = (2, 6);
+/// Heights of tongues and of what tore short between them, factors on the lengths of their slivers, and drops of tongues from their
+/// ridges: their sides are sheer, along the grain.
+const TONGUE_HEIGHT: (f64, f64) = (0.7, 1.05);
+const SHORT_HEIGHT: (f64, f64) = (0.08, 0.5);
+const TONGUE_SPLINTERS: (f64, f64) = (0.9, 1.4);
+const SHORT_SPLINTERS: (f64, f64) = (0.3, 0.9);
+const TONGUE_FALL: (f64, f64) = (0.5, 0.9);
+/// How finely tongues are split into slivers against what tore short.
+const TONGUE_FINENESS: f64 = 0.2;
+/// How much the slivers of a tongue have of one length.
+const TONGUE_TOGETHER: f64 = 0.15;
+
+/// Returns what becomes of each slab: few, most often large ones, are tongues of one piece and the other in turn.
+fn kinds(parts: &SectionPartition, brittle: bool, seed: u64) -> Vec<Kind> {
+    let count = parts.regions.len();
+    if count == 1 {
+        return vec![Kind::Single];
+    }
+    if !parts.around || brittle {
+        return vec![Kind::Even; count];
+    }
+    let size = |n: usize| {
+        let random = noise::unit(seed, n as i64, 18, 0);
+        parts.regions[n].area().sqrt() * (0.3 + random)
+    };
+    let mut by_size: Vec<usize> = (0..count).collect();
+    by_size.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
+    let tongues = (TONGUES * count as f64).round() as usize;
+    let tongues = tongues.clamp(TONGUE_COUNTS.0, TONGUE_COUNTS.1).min(count);
+    let first = noise::unit(seed, 0, 19, 0) < 0.5;
+    let mut kinds = vec![Kind::Short; count];
+    for (turn, &n) in by_size[..tongues].iter().enumerate() {
+        kinds[n] = Kind::Tongue {
+            up: (turn % 2 == 0) == first,
+        };
+    }
+    kinds
 }
 
 /// The slabs of a section.
@@ -245,29 +333,58 @@ const SLAB_ASPECT: f64 = 1.6;
 const BOARD_FALL: f64 = 1.3;
 
 impl Slabs {
-    /// Splits the section into `count` slabs.
-    pub fn new(span: &SectionSpan, count: usize, seed: u64) -> Self {
+    /// Splits the section into `count` slabs. In brittle wood none stands out far.
+    pub fn new(span: &SectionSpan, count: usize, brittle: bool, seed: u64) -> Self {
         let seed = seed ^ SEED << 20;
-        let slab = |n: usize| {
+        let parts = SectionPartition::new(span, count, SLAB_ASPECT, seed);
+        let kinds = kinds(&parts, brittle, seed);
+        let slab = |(n, kind): (usize, &Kind)| {
             let unit = |what: i64| 2.0 * noise::unit(seed, n as i64, what, 0) - 1.0;
             let height = unit(11);
-            Slab {
+            let between = |(low, high): (f64, f64), at: f64| low + (high - low) * at;
+            let (height, splinters, fall) = match kind {
                 // Few slabs end in the middle: one piece or the other keeps them.
-                height: if count == 1 {
-                    0.0
-                } else {
-                    (0.25 + 0.75 * height.abs()).copysign(height)
-                },
+                Kind::Single => (0.0, 1.0 + 0.6 * unit(14), 1.0 + 0.5 * unit(17)),
+                Kind::Even => (
+                    (0.25 + 0.75 * height.abs()).copysign(height),
+                    1.0 + 0.6 * unit(14),
+                    1.0 + 0.5 * unit(17),
+                ),
+                Kind::Tongue { up } => (
+                    between(TONGUE_HEIGHT, height.abs()) * if *up { 1.0 } else { -1.0 },
+                    between(TONGUE_SPLINTERS, unit(14).abs()),
+                    between(TONGUE_FALL, unit(17).abs()),
+                ),
+                Kind::Short => (
+                    between(SHORT_HEIGHT, height * height).copysign(height),
+                    between(SHORT_SPLINTERS, unit(14) * unit(14)),
+                    1.0 + 0.5 * unit(17),
+                ),
+            };
+            Slab {
+                height,
                 slant: DVec2::new(unit(12), unit(13)) * 0.45,
-                splinters: 1.0 + 0.6 * unit(14),
+                splinters,
                 ridge: DVec2::new(unit(15), unit(16)) * 0.7,
-                fall: 1.0 + 0.5 * unit(17),
+                fall,
+                fineness: match kind {
+                    Kind::Tongue { .. } => TONGUE_FINENESS,
+                    _ => 1.0,
+                },
+                together: match kind {
+                    Kind::Tongue { .. } => TONGUE_TOGETHER,
+                    _ => 0.0,
+                },
             }
         };
-        Slabs {
-            parts: SectionPartition::new(span, count, SLAB_ASPECT, seed),
-            slabs: (0..count.max(1)).map(slab).collect(),
-        }
+        let slabs = kinds.iter().enumerate().map(slab).collect();
+        Slabs { parts, slabs }
+    }
+
+    /// Splits the slabs into `count` slivers, each at most `aspect` times as wide along the ring as it is thick across it: tongues
+    /// into few broad ones, what tore short between them into many.
+    pub fn split(&self, count: usize, aspect: f64, seed: u64) -> SectionPartition {
+        (self.parts).split(count, aspect, seed, |n| self.slabs[n].fineness)
     }
 
     /// Returns the number of the slab at a ring coordinate and an angle (rad), and its height there. Slabs fall off from their
@@ -360,6 +477,77 @@ mod tests {
             let of = |part: f64| areas[(part * (areas.len() - 1) as f64) as usize];
             assert!(of(0.95) > 6.0 * of(0.1), "{} {}", of(0.95), of(0.1));
             assert!(of(0.95) > 2.5 * of(0.5), "{} {}", of(0.95), of(0.5));
+        }
+    }
+
+    /// Few slabs stand far out, of both pieces, and what lies between them tore short. Tongues split into broad slivers, the others into
+    /// many small ones, so that slivers are of sizes far apart.
+    #[test]
+    fn few_tongues_stand_out_and_split_into_broad_slivers() {
+        for seed in 1..9 {
+            let slabs = Slabs::new(&SectionSpan::WHOLE, 7, false, seed);
+            let is_tongue = |n: usize| slabs.slabs[n].height.abs() >= 0.7;
+            let tongues: Vec<usize> = (0..7).filter(|&n| is_tongue(n)).collect();
+            assert!((2..=4).contains(&tongues.len()), "{tongues:?}");
+            let up = tongues.iter().filter(|&&n| slabs.slabs[n].height > 0.0);
+            assert!((1..tongues.len()).contains(&up.count()));
+            let short = (0..7).filter(|&n| !is_tongue(n));
+            assert!({ short }.all(|n| slabs.slabs[n].height.abs() <= 0.5));
+            let slivers = slabs.split(90, 4.0, seed);
+            assert_eq!(slivers.count(), 90);
+            let (mut broad, mut small, mut areas) = ((0.0, 0), (0.0, 0), Vec::new());
+            for (n, region) in slivers.regions.iter().enumerate() {
+                let (rho, phi) = slivers.middle(n);
+                let (number, _) = slabs.at(rho, phi);
+                let sum = if is_tongue(number) {
+                    &mut broad
+                } else {
+                    &mut small
+                };
+                *sum = (sum.0 + region.area(), sum.1 + 1);
+                areas.push(region.area());
+                // A sliver lies within one slab.
+                let ends = [region.phi.0, region.phi.1].map(|a| a + slivers.turn);
+                let off = 1e-6 * (ends[1] - ends[0]);
+                let at_ends = [ends[0] + off, ends[1] - off].map(|phi| slabs.at(rho, phi).0);
+                assert_eq!(at_ends, [number; 2]);
+            }
+            let mean = |(sum, count): (f64, i32)| sum / f64::from(count);
+            assert!(mean(broad) > 2.0 * mean(small), "{broad:?} {small:?}");
+            areas.sort_by(f64::total_cmp);
+            assert!(areas[88] > 15.0 * areas[2], "{} {}", areas[88], areas[2]);
+        }
+    }
+
+    /// Clumps of brittle wood run through rings: they are thicker across them than they are wide along them.
+    #[test]
+    fn parts_run_across_rings_where_they_are_to_be_narrow() {
+        for seed in 1..6 {
+            let slabs = Slabs::new(&SectionSpan::WHOLE, 7, true, seed);
+            let clumps = slabs.split(60, 0.7, seed);
+            let across = |n: &usize| {
+                let (width, thickness) = clumps.region(*n).size();
+                thickness > width
+            };
+            let count = (0..60).filter(across).count();
+            assert!(count > 35, "{count}");
+        }
+    }
+
+    #[test]
+    fn no_slab_of_brittle_wood_or_of_a_board_is_a_tongue() {
+        let board = SectionSpan {
+            rho: (0.8, 1.0),
+            phi: Some((1.1, 1.5)),
+        };
+        for (span, brittle) in [(SectionSpan::WHOLE, true), (board, false)] {
+            let slabs = Slabs::new(&span, 12, brittle, 3);
+            assert!(
+                slabs
+                    .slabs
+                    .iter()
+                    .all(|s| s.fineness == 1.0 && s.together == 0.0)
+            );
         }
     }
 }

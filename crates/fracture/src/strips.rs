@@ -27,6 +27,10 @@ pub(crate) struct Strips {
 
 /// Plates of bark beside each other in a strip, on average.
 const PLATES: usize = 3;
+/// Bundles beside each other in a plate, on average, at least.
+const PLATE_BUNDLES: u32 = 4;
+/// Widths of the narrowest and of the broadest strips and plates, over some length.
+const PART_WIDTHS: (f64, f64) = (0.25, 2.6);
 /// How much of the outline of a strip a plate has from its middle: it breaks across as one.
 const PLATE_SHARE: f64 = 0.55;
 /// By how much plates beside each other differ, and by how much one is higher on one side than on the other, at most.
@@ -34,7 +38,7 @@ const PLATE_STEP: f64 = 0.1;
 const PLATE_SLANT: f64 = 0.3;
 /// Greatest slope of torn bark outwards, by how much that of single places differs, and how much of it the plates of a strip share.
 const SLANT: f64 = 5.0;
-const CRUMBS: f64 = 1.5;
+const CRUMBS: f64 = 1.0;
 const STRIP_SHARE: f64 = 0.55;
 /// Greatest distance from the wood, radii, at which bark is as much higher as its slope says: nodes beyond the skin of a section that is
 /// not round lie far off.
@@ -45,10 +49,7 @@ impl Strips {
         let seed = p.seed ^ SEED << 20;
         let count = p.bark_strips as usize;
         let random = |n: usize, what: i64| noise::unit(seed, n as i64, what, 0);
-        let mut walls: Vec<f64> = (0..count)
-            .map(|n| TAU * (n as f64 + 0.8 * random(n, 0)) / count as f64)
-            .collect();
-        walls.push(walls[0] + TAU);
+        let walls = uneven_parts(count, |n| random(n, 0));
         let height = |n: usize| {
             let (kind, extent) = (random(n, 1), random(n, 2));
             if kind < FLAP_SHARE {
@@ -59,11 +60,9 @@ impl Strips {
                 0.7 * (extent - 0.5)
             }
         };
-        let total = PLATES * count;
-        let mut plates: Vec<f64> = (0..total)
-            .map(|n| TAU * (n as f64 + 0.8 * noise::unit(seed, n as i64, 3, 2)) / total as f64)
-            .collect();
-        plates.push(plates[0] + TAU);
+        // With one plate for each bundle the rim would be a row of equal teeth.
+        let total = (PLATES * count).min((p.sectors / PLATE_BUNDLES) as usize);
+        let plates = uneven_parts(total.max(count), |n| noise::unit(seed, n as i64, 3, 2));
         Strips {
             walls,
             heights: (0..count).map(height).collect(),
@@ -131,6 +130,23 @@ impl Strips {
             - 0.08 * across * across * across * across;
         height + torn * (shape - 0.5) + ragged + blunt
     }
+}
+
+/// Returns the angles (rad, ascending, then a turn after the first) at which parts of a turn begin, few of them broad and many narrow.
+fn uneven_parts(count: usize, random: impl Fn(usize) -> f64) -> Vec<f64> {
+    let width = |n: usize| {
+        let (narrowest, broadest) = PART_WIDTHS;
+        narrowest + (broadest - narrowest) * random(n) * random(n)
+    };
+    let total: f64 = (0..count).map(width).sum();
+    let mut at = TAU * random(count);
+    let mut walls = vec![at];
+    for n in 0..count {
+        at += TAU * width(n) / total;
+        walls.push(at);
+    }
+    walls[count] = walls[0] + TAU;
+    walls
 }
 
 /// Returns the outline of a torn end, 0 to 1, over its width (`v` from −1 to 1). `kind` (0 to 1) selects an end torn to one
@@ -225,6 +241,32 @@ mod tests {
             assert!((width - true_width).abs() < 2.0 * step, "{plate}");
         }
         assert!(jumps > strips.count(), "{jumps}");
+    }
+
+    /// Broad strips and plates lie beside narrow ones, and on a thick stem, too, a plate is several bundles wide: with one for each
+    /// bundle the rim would be a row of equal teeth.
+    #[test]
+    fn strips_and_plates_are_of_many_widths() {
+        for seed in 1..9 {
+            let p = BreakParameters {
+                seed,
+                ..BreakParameters::default()
+            };
+            for p in [p.clone(), p.at_size(0.85)] {
+                let strips = Strips::new(&p);
+                assert_eq!(strips.count(), p.bark_strips as usize);
+                for walls in [&strips.walls, &strips.plates] {
+                    let mut widths: Vec<f64> = walls.windows(2).map(|w| w[1] - w[0]).collect();
+                    let sum: f64 = widths.iter().sum();
+                    assert!((sum / TAU - 1.0).abs() < 1e-9, "{sum}");
+                    widths.sort_by(f64::total_cmp);
+                    let (narrow, broad) = (widths[widths.len() / 5], widths[widths.len() * 4 / 5]);
+                    assert!(broad > 2.5 * narrow, "{narrow} {broad}");
+                }
+                let plates = strips.plates.len() - 1;
+                assert!(plates >= strips.count() && 4 * plates <= p.sectors as usize);
+            }
+        }
     }
 
     /// The rim of torn bark climbs along slanted edges rather than in sheer steps from plate to plate, like bricks.

@@ -9,6 +9,7 @@ mod added;
 mod bark;
 mod crushed;
 mod shards;
+mod tips;
 
 use crate::ends::{EndNode, TornEnd, TornEnds};
 use crate::field::HeightField;
@@ -79,6 +80,10 @@ struct LargeShape {
     torn: f64,
     /// Factor on the torn relief.
     relief: f64,
+    /// How high a layer still is that runs out there: none on it and beyond its end.
+    runs_out: f64,
+    /// How much of the height of slabs there is, 0 to 1.
+    slabs: f64,
     /// Factor on the length of thorns.
     thorns: f64,
 }
@@ -86,16 +91,20 @@ struct LargeShape {
 /// Distances from the edge of the compression shelf, radii, between which crushed wood passes into torn wood, and by how much those
 /// of slivers and of bundles differ.
 const SHELF_EDGE: (f64, f64) = (-0.1, 0.4);
+/// Distance from that edge, radii, from which on slabs have their whole height: beside crushed wood it tears short.
+const SLABS_FROM: f64 = 0.8;
 const SHELF_SLIVERS: f64 = 0.24;
 const SHELF_BUNDLES: f64 = 0.12;
 /// By how much the borders of layers wander, and by how much those of slivers differ, radii.
 const LAYER_WANDER: f64 = 0.07;
-const LAYER_SLIVERS: f64 = 0.09;
+const LAYER_SLIVERS: f64 = 0.16;
 /// Distance from the border of a layer over which it runs out in the wood, radii, the same over its height, at least, and how much of that height bundles have from the middle of
 /// their sliver.
 const LAYER_ROOT: f64 = 0.04;
 const LAYER_RUN_OUT: f64 = 0.055;
-const LAYER_SHARE: f64 = 0.6;
+const LAYER_SHARE: f64 = 0.9;
+/// Height of the outlines of slivers where a layer runs out, over its own there: it ends in tongues along the grain.
+const LAYER_FEATHER: f64 = 0.35;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
 const FOLD_HEIGHT: f64 = 0.4;
 const CRUSHED_ROUGHNESS: f64 = 0.07;
@@ -115,9 +124,8 @@ const PLATE_HEIGHT: f64 = 0.1;
 /// How much less rough they are than short breaks of wood that splinters, and how much lower fibres and steps stand out of them.
 const PLATE_SMOOTHNESS: f64 = 0.9;
 const PLATE_SHARPNESS: f64 = 0.85;
-/// Length of a long sliver from its root and of the taper of it, over the length that is drawn for it.
-const SLIVER_LENGTH: f64 = 2.5;
-const TAPER: f64 = 1.35;
+/// Length of the slivers of a slab that tear together, over the longest.
+const COMMON_LENGTH: f64 = 0.63;
 /// How much of the height of its slab a bundle has at its own place, and how much of it the shortest sliver lacks.
 const OWN_SHARE: f64 = 0.35;
 const SHORTEST: f64 = 0.75;
@@ -135,9 +143,7 @@ const STRANDS_OUT: f64 = 0.35;
 /// Share of the strands that do not end out of it.
 const LATE_STRANDS: f64 = 0.88;
 /// Height of the tongues of bark from which on it breaks fully on the slant, radii.
-const SLANTED_BARK: f64 = 0.5;
-/// Greatest length of a blade over its width.
-const MAX_SLENDERNESS: f64 = 9.0;
+const SLANTED_BARK: f64 = 0.35;
 
 impl<'a> TornRelief<'a> {
     pub fn new(
@@ -187,6 +193,15 @@ impl<'a> TornRelief<'a> {
         if self.model.p.compression_shelf > 0.0 {
             let (from, to) = SHELF_EDGE;
             noise::smoothstep(from, to, shelf)
+        } else {
+            1.0
+        }
+    }
+
+    /// Returns how much of the height of its slab wood has near the compression shelf, 0 to 1: it tears short there, without pits.
+    fn slab_share(&self, shelf: f64) -> f64 {
+        if self.model.p.compression_shelf > 0.0 {
+            noise::smoothstep(SHELF_EDGE.0, SLABS_FROM, shelf)
         } else {
             1.0
         }
@@ -254,12 +269,15 @@ impl<'a> TornRelief<'a> {
             let shelf = self.distance_to_shelf(end.shelf, at, middle)
                 + SHELF_SLIVERS * (end.sliver_random[2] - 0.5)
                 + SHELF_BUNDLES * (end.crushed_random[2] - 0.5);
+            let (layers, runs_out) = self.layers(end, across, (rho, bundle.phi));
             let shape = LargeShape {
-                level: self.layers(end, across, (rho, bundle.phi)) + noise,
+                level: layers + noise,
+                runs_out,
                 split: self.split(shelf, end.crushed_random[1]),
                 tilt: model.tilt,
                 torn: self.torn_share(shelf),
                 relief: model.site.relief,
+                slabs: self.slab_share(shelf),
                 thorns: 1.0,
             };
             return match self.added {
@@ -276,13 +294,15 @@ impl<'a> TornRelief<'a> {
             tilt: DVec2::ZERO,
             torn,
             relief,
+            runs_out: 0.0,
+            slabs: 1.0,
             thorns: torn * relief,
         }
     }
 
-    /// Returns the inclination and the layers at a bundle, `across` in radii. A high layer runs out on the slant, in laths that
-    /// end together as slivers do.
-    fn layers(&self, end: &TornEnd, across: DVec2, (rho, phi): (f64, f64)) -> f64 {
+    /// Returns the inclination and the layers at a bundle, `across` in radii, and how high a layer still is that runs out there. A high
+    /// layer runs out on the slant, in laths that end together as slivers do.
+    fn layers(&self, end: &TornEnd, across: DVec2, (rho, phi): (f64, f64)) -> (f64, f64) {
         let p = self.model.p;
         let off = LAYER_WANDER * end.shelf + LAYER_SLIVERS * (end.sliver_random[2] - 0.5);
         let highest = p.high.height.max(-p.low.height);
@@ -290,10 +310,13 @@ impl<'a> TornRelief<'a> {
         let at = |rho, phi| self.model.stepped_torn(across, (rho, phi), (off, root));
         let own = at(rho, phi);
         if highest == 0.0 {
-            return own;
+            return (own, 0.0);
         }
         let (ring, ray) = self.ends.slivers.middle(end.sliver as usize);
-        own + (at(ring.min(1.0), ray) - own) * LAYER_SHARE
+        let shared = at(ring.min(1.0), ray);
+        let part = ((shared - across.dot(self.model.tilt)).abs() / highest).min(1.0);
+        let level = own + (shared - own) * LAYER_SHARE;
+        (level, 4.0 * part * (1.0 - part) * highest)
     }
 
     /// Returns the height of a sliver on its slab, which slivers run up like the treads of a stair, in slab heights; the share of the
@@ -302,7 +325,8 @@ impl<'a> TornRelief<'a> {
         let (own_height, shared) = end.slab_heights;
         let (own_share, shortest) = self.slab_shares();
         let short = end.sliver_random[0];
-        let shortened = 1.0 - shortest * short * short;
+        let together = self.ends.slabs.slab(end.slab as usize).together;
+        let shortened = 1.0 - shortest * (1.0 - together) * short * short;
         let height = shared + (own_height - shared) * own_share;
         (height * shortened, own_share, shortened)
     }
@@ -326,11 +350,14 @@ impl<'a> TornRelief<'a> {
             tilt,
             torn,
             relief,
+            runs_out,
+            slabs,
             thorns,
         } = self.large_shape(noises, (index, end), (at, middle), noise);
         let slab = self.ends.slabs.slab(end.slab as usize);
         let (slab_height, own_share, shortened) = self.height_on_slab(end);
         let [_, long, high] = end.sliver_random;
+        let long = long + (COMMON_LENGTH - long) * slab.together;
         // Both halves keep their splinters: every other slab tears downwards.
         let up = if slab.height > 0.0 { 1.0 } else { -1.0 };
         // Short ones are common, long ones rare.
@@ -338,35 +365,36 @@ impl<'a> TornRelief<'a> {
         let length =
             longer * p.sliver_height * relief * torn * slab.splinters * (long * long * long);
         let (shaft, outline) = self.taper(end, length, p.sliver_height * relief * torn * high);
+        let feather = (LAYER_FEATHER * runs_out).min(self.longest_taper(end));
         // Fibres: most end with their sliver, a few stand out of it far.
         let [far, blade, off] = end.fibre_random;
         let splintered = 1.0 - PLATE_SHARPNESS * self.brittle;
-        let fibre = splintered * relief * p.fibre_height * (0.25 + 0.75 * torn);
-        let blade =
-            fibre * (0.5 + 3.0 * far * far * far * far * torn) + 0.08 * torn * length * blade;
+        let frayed = self.frayed(end);
+        let fibre = frayed * splintered * relief * p.fibre_height * (0.25 + 0.75 * torn);
+        let blade = fibre * (0.5 + 3.0 * far * far * far * far * torn)
+            + 0.08 * frayed * torn * length * blade;
         let [drop, fork] = end.fork_random;
         let fork =
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
         let (crushed, crushed_blade) = self.crushed(end, torn);
         let slant = slab.slant * (torn * relief * p.slab_height);
-        let torn_height = relief * p.slab_height * slab_height
+        let torn_height = slabs * relief * p.slab_height * slab_height
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)
             + up * 0.6 * length * heavy(drop)
-            + splintered * p.step_height * (0.5 * end.step + 0.35 * heavy(end.crushed_random[0]))
+            + splintered
+                * p.step_height
+                * (0.5 * end.step + 0.35 * frayed * heavy(end.crushed_random[0]))
             + self.brittle * BRITTLE_TERRACES * p.step_height * self.terrace(end, BRITTLE_STEPS)
             + fibre * (off - 0.5)
-            + up * outline * strand(far, off);
-        let cleft = up
-            * splintered
-            * (deeper * end.cleft)
-            * relief
-            * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height);
+            + up * outline * frayed.min(1.0) * strand(far, off);
+        let cleft = up * splintered * relief * self.cleft(end, deeper);
         let shard = self.shard((key, i64::from(end.fork)), (middle, width), torn);
         let base = level
             + shard.height
             + torn * (torn_height - cleft)
             + (1.0 - torn) * crushed
             + slant.dot(self.about_pivot(end, at))
+            - 0.5 * up * feather
             - split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
         BundleHeight {
@@ -375,26 +403,19 @@ impl<'a> TornRelief<'a> {
             raggedness: fibre,
             middle,
             slant: slant + tilt + shard.slant,
-            sliver: up * outline,
+            sliver: up * (outline + feather),
             fork: up * fork,
-            slab: own_share * torn * relief * p.slab_height * shortened,
+            slab: slabs * own_share * torn * relief * p.slab_height * shortened,
             plates: torn * self.brittle * PLATE_HEIGHT * p.step_height,
             rough: torn * p.step_height * (1.0 - PLATE_SMOOTHNESS * self.brittle)
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
             folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
             noisy: CRUSHED_NOISE + (1.0 - CRUSHED_NOISE) * torn,
-            blade: up * blade.min(3.0 * MAX_SLENDERNESS * width) + shard.blade + crushed_blade,
+            blade: up * blade.min(3.0 * tips::MAX_SLENDERNESS * width)
+                + shard.blade
+                + crushed_blade,
             bark: false,
         }
-    }
-
-    /// Returns the heights of the shaft of a sliver and of its outline, the taper on it, which is most of it. `length` is that drawn
-    /// for it, and `high` a height that its outline has in any case.
-    fn taper(&self, end: &TornEnd, length: f64, high: f64) -> (f64, f64) {
-        let (width, _) = self.ends.slivers.region(end.sliver as usize).size();
-        let most = MAX_SLENDERNESS * width * self.ends.ring_unit;
-        let outline = (TAPER * length + 0.7 * high).min(most);
-        ((SLIVER_LENGTH * length - outline).max(0.0), outline)
     }
 
     /// Returns how much of the height of its slab a bundle has at its own place, where the rest is that of its sliver, and how much of
@@ -415,6 +436,12 @@ impl<'a> TornRelief<'a> {
         } else {
             (1.0, 1.0)
         }
+    }
+
+    /// Returns how deep a cleft is, radii; `deeper` is a factor on it.
+    fn cleft(&self, end: &TornEnd, deeper: f64) -> f64 {
+        let p = self.model.p;
+        deeper * end.cleft * (CLEFT_OF_SLABS * p.slab_height + CLEFT_OF_SLIVERS * p.sliver_height)
     }
 
     /// Returns a point (`at` in ring coordinates) from that about which the slab there slants, radii: the pith, or the middle of the
@@ -461,7 +488,7 @@ impl<'a> TornRelief<'a> {
             let direction = bundles.directions[node.node as usize];
             let out = direction * radius - (level.middle - self.ends.pith);
             let edge = level.sliver * node.shared_outline
-                + (level.sliver / SLANTED_BARK).min(1.0) * node.outward;
+                + (level.sliver / SLANTED_BARK).min(1.0).powi(3) * node.outward;
             let strip = self.ends.bundles[node.cell as usize].strip as usize;
             let phi = bundles.addresses[node.node as usize].1;
             let along = match (self.field, self.added) {

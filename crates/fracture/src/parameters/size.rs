@@ -13,7 +13,7 @@ const SIZE_RANGE: (f64, f64) = (1.0 / 16.0, 32.0);
 const SLABS: (f64, f64) = (4.0, 40.0);
 const SLIVERS: (f64, f64) = (16.0, 600.0);
 /// Least and greatest number of strips of bark, likewise.
-const STRIPS: (f64, f64) = (6.0, 48.0);
+const STRIPS: (f64, f64) = (6.0, 24.0);
 /// The tallest tongues of bark that the size of a stem leads to, radii: those of a thin one would else be longer than its splinters.
 const TALLEST_BARK: f64 = 1.2;
 /// Greatest factor on rings and on sectors of a thick stem, so that its slivers have bundles to show: a face has twice the

@@ -46,6 +46,8 @@ impl TornRelief<'_> {
             tilt: shape.tilt,
             torn: (shape.torn + (1.0 - shape.torn) * freed) * torn,
             relief: shape.relief * splintering,
+            runs_out: shape.runs_out,
+            slabs: shape.slabs,
             thorns: shape.thorns * torn * splintering,
         }
     }
