@@ -195,20 +195,24 @@ mod tests {
         let (lower, moved) = places(upper);
         let rigid = |k: usize| upper.transform_point3(DVec3::X * (0.01 * k as f64));
         for k in 0..SECTIONS {
-            // Where they end, and beyond, splinters are where the other piece is.
+            // Splinters are where the other piece is, but for a share of the way: they are drawn out by a twentieth.
             let way = moved[k] - lower[k];
             let along = DVec3::new(0.1_f64.cos(), 0.0, -(0.1_f64.sin()));
             let aside = way - along * way.dot(along);
-            assert!(aside.length() < 1e-12, "{k}: {aside}");
+            let way_of_rigid = rigid(k) - DVec3::X * (0.01 * k as f64);
             // The face opens as it would, by 0.2 times the distance from the hinge.
-            let opened = (rigid(k) - DVec3::X * (0.01 * k as f64)).dot(along);
+            let opened = way_of_rigid.dot(along);
+            let rigid_aside = way_of_rigid - along * opened;
+            let most = 0.01 * rigid_aside.length() + 1e-12;
+            assert!(aside.length() < most, "{k}: {aside} of {rigid_aside}");
             assert!((way.dot(along) - opened).abs() < 1e-12);
             assert!((opened - 0.002).abs() < 5e-5, "{k}: {opened}");
         }
         // Each is itself away from the face.
         assert!(lower[..3].iter().all(|p| p.z == 0.0));
         assert!((6..SECTIONS).all(|k| moved[k].distance(rigid(k)) < 1e-12));
-        assert!(lower.windows(2).all(|w| w[1].z <= w[0].z));
+        // Both give way between, by no more than a twentieth of the radius past either.
+        assert!(lower.iter().all(|p| p.z < 5e-4), "{lower:?}");
     }
 
     #[test]
