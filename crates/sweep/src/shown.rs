@@ -85,9 +85,6 @@ impl From<film::FilmError> for ShowError {
     }
 }
 
-/// Wood of which more than this share of the surface would not be where its rods are is shown by its rods: it is split lengthwise.
-const SPLIT_SHARE: f64 = 0.05;
-
 /// What shows a range of frames.
 enum Shown {
     /// The faces that the run decided.
@@ -175,7 +172,8 @@ fn drawn(
     };
     if automatic && last {
         let share = film.misplaced_share(run)?;
-        if share > SPLIT_SHARE {
+        let in_two = film.reports.iter().any(|report| report.parted);
+        if !film::shows_well(share, in_two) {
             return Ok(Err(RodsReason::Split(share)));
         }
         film.skinned.report.misplaced_share = Some(share);

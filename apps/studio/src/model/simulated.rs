@@ -19,15 +19,12 @@ use greenstick::simulate::{
     simulate,
 };
 use greenstick::simulated_faces::{PartlyBroken, SimulatedFacesError, simulated_faces};
-use greenstick::skin::film::{FilmOptions, FilmParameters, Run};
+use greenstick::skin::film::{FilmOptions, FilmParameters, Run, shows_well};
 use greenstick::wood::primitive::BranchOptions;
 use greenstick::wood::stem::StemLocation;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
-
-/// Share of the wood that drawn faces may show out of place before rods show a run better.
-const SPLIT_SHARE: f64 = 0.05;
 
 /// The scenes that come with the program.
 pub fn scenes() -> Vec<SceneEntry> {
@@ -388,7 +385,8 @@ impl EndedRun {
         };
         let all = 0..self.run.frames();
         let mut film = film_of_faces(&mut self.run, all, &options, context)?;
-        let best = film.misplaced_share(&self.run)? <= SPLIT_SHARE;
+        let in_two = film.reports.iter().any(|report| report.parted);
+        let best = shows_well(film.misplaced_share(&self.run)?, in_two);
         Ok((film, best))
     }
 

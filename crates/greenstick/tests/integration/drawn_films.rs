@@ -9,7 +9,7 @@ use greenstick::geometry::{Context, Mesh, Motion, Node, Pose, Scene};
 use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
 use greenstick::skin::{
     WoodField,
-    film::{FilmOptions, Run},
+    film::{FilmOptions, Run, close_up as close_up_of_pieces, shows_well},
 };
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -209,6 +209,31 @@ fn skin_that_is_not_where_its_rods_are_is_noticed_and_close_ups_show_the_break()
     assert!((near.radius / 0.015 - 1.0).abs() < 0.05, "{near:?}");
     let place = film.reports[0].place_m;
     assert!((near.centre.x - place).abs() < 0.01, "{near:?} {place}");
+    // Of pieces that lie apart, the larger one.
+    let mut apart = at_rest.clone();
+    for (node, by) in apart.nodes.iter_mut().zip([-0.5, 0.5]) {
+        let mesh = Arc::make_mut(&mut node.mesh);
+        mesh.positions.iter_mut().for_each(|p| p.x += by);
+    }
+    let volumes = [0, 1].map(|piece| apart.nodes[piece].mesh.volume());
+    let by = if volumes[0] > volumes[1] { -0.5 } else { 0.5 };
+    let (centre, radius) = close_up_of_pieces(&apart, &[inner], 3.0).unwrap();
+    assert!((centre.x - place - by).abs() < radius, "{centre} {place}");
+    assert!((radius - near.radius).abs() < 1e-12);
+    let together = close_up_of_pieces(&at_rest, &[inner], 3.0).unwrap();
+    assert_eq!(together, (near.centre, near.radius));
+}
+
+#[test]
+fn wood_in_two_is_shown_by_its_faces_though_a_split_runs_beyond_them() {
+    for (misplaced, in_two, shown) in [
+        (0.04, false, true),
+        (0.06, false, false),
+        (0.06, true, true),
+        (0.2, true, false),
+    ] {
+        assert_eq!(shows_well(misplaced, in_two), shown);
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@
 //! detail of a film, [`collision`] collision shapes of its pieces.
 
 mod carried;
+mod close_up;
 mod collision;
 mod drawn;
 mod error;
@@ -31,6 +32,7 @@ mod separation;
 mod skinned_film;
 mod tracking;
 
+pub use close_up::close_up;
 pub use collision::{Collision, CollisionPiece, collision};
 pub use drawn::DrawnScene;
 pub use error::FilmError;
@@ -39,7 +41,7 @@ pub use level::{LevelReport, level};
 pub use lines::{BondLines, RodLines};
 pub use make_still::Still;
 pub use motion::RunMotion;
-pub use nearby_rods::NearbyRods;
+pub use nearby_rods::{NearbyRods, shows_well};
 pub use options::FilmOptions;
 pub use parameters::FilmParameters;
 pub use report::{CarriedPiece, FilmPiece, GapeReport, RestReport, SkinReport};

@@ -17,6 +17,10 @@ const WIDTH: f64 = 0.6;
 const OFF: f64 = 0.2;
 /// Vertices of a piece that are looked at for that.
 const MAX_SAMPLES: usize = 4000;
+/// Wood of which more than this share of the surface would not be where its rods are is split lengthwise, and shown by its rods …
+const SPLIT_SHARE: f64 = 0.05;
+/// … and the same where it is in two.
+const SPLIT_IN_TWO: f64 = 0.1;
 
 /// For each vertex of the pieces of a film, vertices of the unbroken rods near it at rest, with weights that add up to 1.
 pub struct NearbyRods {
@@ -218,6 +222,13 @@ impl Run {
         }
         off / f64::max(all, f64::MIN_POSITIVE)
     }
+}
+
+/// Whether drawn faces that misplace a share of the wood's surface show a run better than its rods do. Where the wood is in two the
+/// faces are most of what there is to see, and a split that runs on beyond them is less; where it hangs together the split is what
+/// happened.
+pub fn shows_well(misplaced: f64, in_two: bool) -> bool {
+    misplaced <= if in_two { SPLIT_IN_TWO } else { SPLIT_SHARE }
 }
 
 /// Returns the area of the triangles at each vertex of a mesh, m².

@@ -1,6 +1,6 @@
 //! Vertices on both sides of a face, and how far they gape before it opens there.
 
-use super::sections::RodFaces;
+use super::rod_faces::RodFaces;
 use crate::film::error::FilmError;
 use crate::film::motion::RunMotion;
 use crate::film::report::GapeReport;

@@ -2,7 +2,9 @@
 
 use super::faces::{FacePair, face_pairs, measure_gape};
 use super::lengths::lengths_along;
-use super::sections::{JointChain, RodFaces, Sections};
+use super::rod_faces::RodFaces;
+use super::section_joints::SectionJoints;
+use super::sections::Sections;
 use crate::film::error::FilmError;
 use crate::film::make_film::add_extras;
 use crate::film::motion::{MovingBehind, MovingParts, RunMotion};
@@ -24,7 +26,8 @@ use greenstick_geometry::repair::{KnownPositions, resolve_self_intersections, sn
 use greenstick_geometry::{
     Binding, Cancelled, Context, Film, Mesh, Node, Pose, Scene, SkinnedMesh, Stage,
 };
-use std::collections::BTreeMap;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 /// Parts that no face touched move with the stem where they come this near to its axis, in its radii there.
@@ -120,58 +123,31 @@ impl DrawnScene<'_> {
 struct Binder<'a> {
     run: &'a Run,
     faces: &'a RodFaces<'a>,
-    sections: &'a Sections,
+    sections: &'a Sections<'a>,
     /// The film's joint that is the first of the sections'.
     first: u32,
 }
 
 impl Binder<'_> {
-    fn weights<'b>(
-        &'b self,
-        chain: &JointChain,
-        along: f64,
-        share: f64,
-    ) -> impl Iterator<Item = (u32, f64)> + 'b {
-        let weights = chain.weights_at(along);
-        let weights = weights.into_iter().filter(|w| w.1 > 0.0);
-        weights.map(move |(joint, weight)| (self.first + joint, share * weight))
+    /// The film's joints that a point of a piece in the stem's world follows, with their weights.
+    fn weights(&self, piece: usize, p: DVec3, along: f64) -> Vec<(u32, f64)> {
+        let grain = self.run.stem().grain.to_grain_near(p, along);
+        let mut weights = self.sections.weights_at(piece, grain.truncate(), along);
+        weights.iter_mut().for_each(|w| w.0 += self.first);
+        weights
     }
 
     /// Binds a piece, whose mesh is in the stem's world.
     fn bind(&self, piece: usize, mesh: &Mesh) -> Binding {
-        let stem = self.run.stem();
-        let lengths = lengths_along(mesh, stem);
-        let chain = &self.sections.pieces[piece];
+        let lengths = lengths_along(mesh, self.run.stem());
+        let vertices: Vec<(DVec3, f64)> = mesh.positions.iter().copied().zip(lengths).collect();
+        let weights = vertices.par_iter();
+        let weights = weights.map(|&(p, along)| self.weights(piece, p, along));
         let mut binding = Binding::default();
-        for (&p, &along) in mesh.positions.iter().zip(&lengths) {
-            let held = self.held(piece, p, along);
-            let free = held.map_or(1.0, |(_, share)| 1.0 - share);
-            let mut entries: Vec<(u32, f64)> = Vec::new();
-            if free > 0.0 {
-                entries.extend(self.weights(chain, along, free));
-            }
-            if let Some((hinge, share)) = held {
-                entries.extend(self.weights(hinge, along, share));
-            }
-            binding.push(entries);
+        for weights in weights.collect::<Vec<_>>() {
+            binding.push(weights);
         }
         binding
-    }
-
-    /// The hinge that holds a point of a piece, and how much of its motion that decides.
-    fn held(&self, piece: usize, p: DVec3, along: f64) -> Option<(&JointChain, f64)> {
-        let faces = piece.saturating_sub(1)..(piece + 1).min(self.faces.count());
-        let held = faces.filter_map(|face| {
-            let hinge = self.sections.hinges[face].as_ref()?;
-            let grain = self.run.stem().grain.to_grain_near(p, along);
-            Some((
-                hinge,
-                self.faces
-                    .held(face, face == piece, grain.truncate(), along),
-            ))
-        });
-        held.filter(|h| h.1 > 0.0)
-            .max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// The one joint that a whole mesh in the stem's world follows, and how far from the axis the mesh begins, in radii.
@@ -182,16 +158,13 @@ impl Binder<'_> {
             .map(|&p| {
                 let along = axis.length_at(p);
                 let radius = stem.radius * stem.grain.scale(along);
-                (along, p.distance(axis.frame(along).origin) / radius)
+                (p, along, p.distance(axis.frame(along).origin) / radius)
             })
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let weights = self.sections.pieces[piece].weights_at(nearest.0);
-        let joint = if weights[0].1 >= weights[1].1 {
-            weights[0].0
-        } else {
-            weights[1].0
-        };
-        Some((self.first + joint, nearest.1))
+            .min_by(|a, b| a.2.total_cmp(&b.2))?;
+        let (place, along, off) = nearest;
+        let weights = self.weights(piece, place, along);
+        let joint = weights.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
+        Some((joint, off))
     }
 
     /// The piece that has most of the stem at the place nearest to a mesh in the stem's world.
@@ -259,18 +232,18 @@ impl Run {
         let faces = RodFaces::new(&wood, drawn.observed, drawn.fractures);
         let nodes = drawn.pieces();
         let names = drawn.names(&nodes);
-        let sections = Sections::new(&faces, (&joints, &rest), &names, &faces.openings(&history))
-            .ok_or(FilmError::NoRods)?;
+        let sections =
+            Sections::new(&faces, (&joints, &rest), &names, &history).ok_or(FilmError::NoRods)?;
         let binder = Binder {
             run: self,
             faces: &faces,
             sections: &sections,
             first: film.joints.len() as u32,
         };
-        film.joints.extend(sections.joints.film_joints());
         let meshes = self.add_pieces(&mut film, drawn, &nodes, &binder, &binding)?;
-        let mut report = self.report_on(&film, &sections, &meshes, range.clone());
         add_others(&mut film, drawn, &binder, &film_from_stem);
+        let moving = add_used_joints(&mut film, &sections.joints);
+        let mut report = self.report_on(&film, &sections, &meshes, range.clone());
         self.track_separations(&joints, &sections, range.clone(), &mut report, &pieces)?;
         let spacing = wood.spacing();
         let mut motion = RunMotion::new(
@@ -280,7 +253,7 @@ impl Run {
             MovingParts {
                 joints,
                 bodies,
-                behind: MovingBehind::Sections(sections.joints.clone()),
+                behind: MovingBehind::Sections(moving),
             },
             up,
         );
@@ -424,6 +397,25 @@ impl Run {
         let frames = (&self.frames, range);
         SkinReport::of_pieces(pieces.collect(), film.joints.len(), frames)
     }
+}
+
+/// Adds those of `joints` to a film that its pieces follow, which number them from the film's own joints on.
+fn add_used_joints(film: &mut Film, joints: &SectionJoints) -> SectionJoints {
+    let first = film.joints.len() as u32;
+    let used = film.pieces.iter().flat_map(|p| p.binding.used_joints());
+    let used: BTreeSet<u32> = used.filter_map(|joint| joint.checked_sub(first)).collect();
+    let used: Vec<u32> = used.into_iter().collect();
+    for piece in &mut film.pieces {
+        for joint in &mut piece.binding.joints {
+            if let Some(number) = joint.checked_sub(first) {
+                *joint = first + used.partition_point(|&u| u < number) as u32;
+            }
+        }
+    }
+    let mut moving = joints.clone();
+    moving.show_only(used);
+    film.joints.extend(moving.film_joints());
+    moving
 }
 
 /// Adds what is not a piece: it moves with one, or stands still.

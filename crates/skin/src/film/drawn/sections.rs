@@ -1,11 +1,15 @@
-//! Joints along the pieces that faces cut wood into. Each follows the rods of its piece near one length of the stem.
+//! Joints along the pieces that faces cut wood into. Each follows the rods of its piece near one length of the stem; beside a face
+//! each group of rods has joints of its own.
 
+use super::membership::Membership;
+use super::rod_faces::RodFaces;
+use super::section_joints::{Interlock, SectionJoint, SectionJoints, smooth};
 use super::strands::{HeldBonds, SectionParts};
 use crate::remainder::Follower;
-use crate::rods::{BreakHistory, Joints, Pieces, RodPart, Wood};
-use crate::simulated::{ObservedRun, SimulatedFracture, main_pieces};
-use glam::{DAffine3, DQuat};
-use greenstick_geometry::{Joint, Pose};
+use crate::rods::{BreakHistory, Joints, RodPart, Wood};
+use glam::{DVec2, DVec3};
+use greenstick_geometry::Pose;
+use std::ops::Range;
 
 /// Distance between sections, mean radii of the stem.
 const SECTION_DISTANCE: f64 = 0.4;
@@ -21,213 +25,52 @@ const MIN_SHARE: f64 = 0.03;
 const HINGE: (f64, f64) = (1.0, 3.0);
 /// The same beyond the face, among what was split off.
 const BEYOND: (f64, f64) = (0.4, 0.9);
+/// Length (radii) beyond the breaks of rods in a face up to which most slivers reach, and up to which the longest may.
+const SLIVERS: f64 = 1.0;
+const LONGEST_SLIVERS: f64 = 4.5;
 
 /// Joints along some rods, one at each section of the stem.
-#[derive(Debug, Clone, Default)]
-pub(super) struct JointChain {
-    /// Length along the axis of each section, m.
-    along: Vec<f64>,
+#[derive(Debug, Clone, Copy)]
+struct JointChain {
     /// The number of the first joint; that of each further section follows.
     first: u32,
 }
 
-/// What a joint follows.
-#[derive(Debug, Clone)]
-struct SectionJoint {
-    name: String,
-    /// Where it is at rest.
-    rest: Pose,
-    /// The follower of all rods of the section, before the face beside it begins to open.
-    whole: usize,
-    /// The first frame in which that has begun.
-    until: u32,
-    /// The follower of the rods of its own.
-    own: usize,
-}
-
-/// Joints along the pieces of a film.
-///
-/// Until the first rod breaks in a face, the joints on both sides follow all rods: both sides then coincide exactly, in every
-/// format.
-#[derive(Debug, Clone, Default)]
-pub(in crate::film) struct SectionJoints {
-    followers: Vec<Follower>,
-    joints: Vec<SectionJoint>,
-}
-
-impl SectionJoints {
-    /// The joints of a film.
-    pub fn film_joints(&self) -> impl Iterator<Item = Joint> + '_ {
-        self.joints.iter().map(|joint| Joint {
-            name: joint.name.clone(),
-            rest: joint.rest,
-        })
-    }
-
-    /// Returns the poses of the joints in a frame of the film in which the joints of the rods have the poses `rods`.
-    pub fn poses(&self, frame: usize, rods: &[Pose]) -> impl Iterator<Item = Pose> + '_ {
-        let follow = |f: &Follower| f.pose(rods).affine() * f.at_rest().inverse();
-        let maps: Vec<DAffine3> = self.followers.iter().map(follow).collect();
-        self.joints.iter().map(move |joint| {
-            let follower = if frame < joint.until as usize {
-                joint.whole
-            } else {
-                joint.own
-            };
-            let map = maps[follower];
-            Pose {
-                translation: map.transform_point3(joint.rest.translation),
-                rotation: (DQuat::from_mat3(&map.matrix3) * joint.rest.rotation).normalize(),
-            }
-        })
-    }
-}
+/// Joints with their weights.
+type Weights = Vec<(u32, f64)>;
 
 /// The joints of a film and what they are for.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Sections {
+pub(super) struct Sections<'a> {
+    faces: &'a RodFaces<'a>,
+    /// Length along the axis of each section, m.
+    along: Vec<f64>,
     /// One for each piece, from the base of the stem to its tip.
-    pub pieces: Vec<JointChain>,
+    pieces: Vec<JointChain>,
     /// One for each face: the rods that are whole there; `None` where the wood is in two.
-    pub hinges: Vec<Option<JointChain>>,
+    hinges: Vec<Option<JointChain>>,
     /// For each piece, the parts of rods that it follows.
     pub parts: Vec<Vec<(u32, RodPart)>>,
-    /// The joints of all chains.
+    /// All joints.
     pub joints: SectionJoints,
 }
 
-/// The faces of the wood, as rods meet them.
-pub(super) struct RodFaces<'a> {
-    wood: &'a Wood<'a>,
-    run: &'a ObservedRun,
-    fractures: &'a [SimulatedFracture],
-    /// For each face and rod, the length along the axis at which the rod passes it, m.
-    lengths: Vec<Vec<f64>>,
-    /// For each face and rod, the part of the rod before its break there; `None` where it is whole.
-    parts_before: Vec<Vec<Option<RodPart>>>,
-}
-
-impl<'a> RodFaces<'a> {
-    pub fn new(
-        wood: &'a Wood<'a>,
-        run: &'a ObservedRun,
-        fractures: &'a [SimulatedFracture],
-    ) -> Self {
-        let lengths = fractures.iter().map(|f| f.lengths_of_rods(wood)).collect();
-        RodFaces {
-            wood,
-            run,
-            fractures,
-            lengths,
-            parts_before: (fractures.iter().map(|f| f.parts_before().collect())).collect(),
-        }
-    }
-
-    /// The number of faces.
-    pub fn count(&self) -> usize {
-        self.fractures.len()
-    }
-
-    /// The rod whose cell is nearest to a point of the section.
-    pub fn rod_at(&self, at: glam::DVec2) -> usize {
-        let (mut best, mut least) = (0, f64::INFINITY);
-        for (rod, cell) in self.wood.cells.iter().enumerate() {
-            let far = cell.centroid.distance_squared(at);
-            if far < least {
-                (best, least) = (rod, far);
-            }
-        }
-        best
-    }
-
-    /// The length along the axis at which a rod passes a face, m.
-    pub fn length(&self, face: usize, rod: usize) -> f64 {
-        self.lengths[face][rod]
-    }
-
-    /// The face nearest to a length along the axis, m.
-    pub fn nearest(&self, along: f64) -> Option<usize> {
-        let off = |face: &usize| (self.mean_length(*face) - along).abs();
-        (0..self.count()).min_by(|a, b| off(a).total_cmp(&off(b)))
-    }
-
-    /// The first frame in which a rod is broken in each face.
-    pub fn openings(&self, history: &BreakHistory) -> Vec<u32> {
-        let opening = |face: usize| {
-            let rods = 0..self.wood.bundle.rods();
-            let broken = rods.filter_map(|rod| self.broken_vertex(face, rod));
-            let frames = broken.map(|vertex| history.break_frame(vertex));
-            frames.min().unwrap_or(u32::MAX)
-        };
-        (0..self.count()).map(opening).collect()
-    }
-
-    /// The mean length along the axis at which rods pass a face, m.
-    pub fn mean_length(&self, face: usize) -> f64 {
-        let all = &self.lengths[face];
-        all.iter().sum::<f64>() / all.len().max(1) as f64
-    }
-
-    /// The vertex of the unbroken bundle at which a rod broke in a face; `None` for one that is whole there.
-    pub fn broken_vertex(&self, face: usize, rod: usize) -> Option<u32> {
-        let part = self.parts_before[face][rod]?;
-        let of_rod = &self.run.state.breaks[rod];
-        of_rod.get(usize::from(part)).map(|b| b.vertex)
-    }
-
-    /// How far whole rods decide the motion of a point of the piece below a face, or above it, at a place of the section and a
-    /// length along the axis (m): 1 on the face between whole rods, 0 among broken ones and far away.
-    pub fn held(&self, face: usize, is_below: bool, at: glam::DVec2, along: f64) -> f64 {
-        if self.fractures[face].parted {
-            return 0.0;
-        }
-        let width = self.wood.spacing();
-        let (mut whole, mut all) = (0.0, 0.0);
-        let mut nearest = (f64::INFINITY, 0.0);
-        for (rod, cell) in self.wood.cells.iter().enumerate() {
-            let far = cell.centroid.distance_squared(at) / (width * width);
-            let weight = cell.area * libm::exp(-far);
-            all += weight;
-            if self.parts_before[face][rod].is_none() {
-                whole += weight;
-                if far < nearest.0 {
-                    nearest = (far, self.length(face, rod));
-                }
-            }
-        }
-        let share = whole / all.max(f64::MIN_POSITIVE);
-        let above = (along - nearest.1) / self.wood.stem.radius;
-        let inside = if is_below { -above } else { above };
-        let near = if inside >= 0.0 {
-            smooth((HINGE.1 - inside) / (HINGE.1 - HINGE.0))
-        } else {
-            smooth((BEYOND.1 + inside) / (BEYOND.1 - BEYOND.0))
-        };
-        smooth((share - 0.25) / 0.5) * near
-    }
-}
-
-/// A smooth step from 0 to 1.
-fn smooth(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
-/// Collects chains.
+/// Makes joints.
 struct Maker<'a> {
     faces: &'a RodFaces<'a>,
     joints: &'a Joints,
     rest: &'a [Pose],
+    members: Membership<'a>,
+    bonds: HeldBonds,
     /// Length along the axis of each section, m.
     along: Vec<f64>,
     /// Area of the stem's section, m².
     area: f64,
     /// For each face, the first frame in which a rod is broken in it.
-    opening: &'a [u32],
+    opening: Vec<u32>,
     made: SectionJoints,
 }
 
-impl Maker<'_> {
+impl<'a> Maker<'a> {
     /// Makes a follower at every section of some parts of rods; `None` where they have too little of the section.
     fn followers(&mut self, parts: &[SectionParts]) -> Vec<Option<usize>> {
         let wood = self.faces.wood;
@@ -260,8 +103,15 @@ impl Maker<'_> {
         self.along.iter().map(at).collect()
     }
 
-    /// Makes the chain of joints that follow `own` at their sections, and the nearest one where it has none; and `whole` until
-    /// the face beside them opens. `None` if it has none at all.
+    /// The sections no farther than a length (m) from the breaks in a face.
+    fn sections_beside(&self, face: usize, beside: f64) -> Range<usize> {
+        let (low, high) = self.faces.range(face);
+        self.along.partition_point(|&a| a < low - beside)
+            ..self.along.partition_point(|&a| a <= high + beside)
+    }
+
+    /// Adds a chain of joints that follow `own` at their sections, and the nearest one where it has none; and `whole` until the face
+    /// beside them opens. `None` if it has none at all.
     fn chain(
         &mut self,
         name: &str,
@@ -285,68 +135,47 @@ impl Maker<'_> {
                 own,
             });
         }
-        Some(JointChain {
-            along: self.along.clone(),
-            first,
-        })
-    }
-}
-
-/// Which piece each part of a rod belongs to.
-struct Membership<'a> {
-    faces: &'a RodFaces<'a>,
-    pieces: Pieces,
-    /// The pieces of the run that the stem consists of, from its base to its tip.
-    main: Vec<u32>,
-}
-
-impl Membership<'_> {
-    /// Whether a part of a rod is of the wood that a piece was cut from, and no splinter. Of what hangs together several
-    /// pieces may be cut.
-    fn belongs(&self, rod: usize, part: RodPart, piece: usize) -> bool {
-        let own = self.pieces.piece_of(rod as u32, part);
-        let before = self.faces.fractures[..piece].iter();
-        let number = before.filter(|f| f.parted).count();
-        self.main.is_empty() || self.main.get(number) == Some(&own)
+        Some(JointChain { first })
     }
 
-    /// The part of a rod at a length along the axis (m), if it is of any piece.
-    fn of_any(&self, rod: usize, along: f64) -> Option<RodPart> {
-        let part = self.faces.run.part_at(rod, along);
-        let mut pieces = 0..=self.faces.count();
-        pieces
-            .any(|piece| self.belongs(rod, part, piece))
-            .then_some(part)
+    /// Adds the joints of a piece. `whole` are followers of all rods. `None` if there are no rods to follow.
+    fn piece(&mut self, piece: usize, name: &str, whole: &[Option<usize>]) -> Option<JointChain> {
+        let own = self.parts(|rod, along| self.members.of_piece(piece, rod, along));
+        let leading = (self.bonds).leading_strand(self.faces.wood, (&self.along, self.area), &own);
+        let own = self.followers(&leading);
+        let has_own = own.iter().any(Option::is_some);
+        let own = if has_own { &own } else { whole };
+        self.chain(name, whole, own)
     }
 
-    /// The same, if it is of this piece and between its faces.
-    fn of_piece(&self, piece: usize, rod: usize, along: f64) -> Option<RodPart> {
-        let faces = self.faces;
-        let part = faces.run.part_at(rod, along);
-        let beyond = piece == 0 || faces.length(piece - 1, rod) <= along;
-        let before = piece == faces.count() || along <= faces.length(piece, rod);
-        (beyond && before && self.belongs(rod, part, piece)).then_some(part)
-    }
-
-    /// The same, if the rod is whole in this face and near it.
-    fn of_hinge(&self, face: usize, rod: usize, along: f64) -> Option<RodPart> {
-        let faces = self.faces;
-        let part = faces.run.part_at(rod, along);
-        let reach = HINGE.1 * faces.wood.stem.radius;
-        let near = (along - faces.length(face, rod)).abs() <= reach;
-        let holds = near && faces.parts_before[face][rod].is_none();
-        (holds && self.belongs(rod, part, face)).then_some(part)
-    }
-
-    /// All parts of rods that belong to a piece.
-    fn parts(&self, piece: usize) -> Vec<(u32, RodPart)> {
-        let mut parts = Vec::new();
-        for (rod, breaks) in self.faces.run.state.breaks.iter().enumerate() {
-            let all = 0..=breaks.len() as RodPart;
-            let own = all.filter(|&part| self.belongs(rod, part, piece));
-            parts.extend(own.map(|part| (rod as u32, part)));
+    /// Has the pieces on both sides of a face keep together sideways where they reach into each other.
+    fn interlock(&mut self, face: usize, pieces: &[JointChain]) {
+        let radius = self.faces.wood.stem.radius;
+        let [core, all] =
+            [SLIVERS, LONGEST_SLIVERS].map(|far| self.sections_beside(face, far * radius));
+        if core.len() < 2 {
+            return;
         }
-        parts
+        let (low, high) = (self.along[core.start], self.along[core.end - 1]);
+        let share = |k: usize| smooth((self.along[k] - low) / (high - low));
+        let interlock = Interlock {
+            joints: [face, face + 1].map(|piece| pieces[piece].first + all.start as u32),
+            shares: all.clone().map(share).collect(),
+            along: self.direction(pieces[face], &core),
+            core: core.start - all.start..core.end - all.start,
+            length: high - low,
+            radius,
+        };
+        self.made.interlocks.push(interlock);
+    }
+
+    /// The direction along the grain at rest from the first of some sections to the last.
+    fn direction(&self, chain: JointChain, sections: &Range<usize>) -> DVec3 {
+        let [a, b] = [sections.start, sections.end - 1].map(|k| {
+            let joint = &self.made.joints[chain.first as usize + k];
+            joint.rest.translation
+        });
+        (b - a).normalize_or(DVec3::X)
     }
 }
 
@@ -363,42 +192,32 @@ fn section_lengths(wood: &Wood) -> Vec<f64> {
     (0..=count).map(section).collect()
 }
 
-impl Sections {
-    /// Makes the joints of the pieces that `faces` cut the wood into, which follow `joints` of rods that rest at `rest`. In frame
-    /// `opening` of the film a rod is first broken in each face. `None` where no rod belongs to a piece.
+impl<'a> Sections<'a> {
+    /// Makes the joints of the pieces that `faces` cut the wood into, which follow `joints` of rods that rest at `rest`. `history` says
+    /// in which frame of the film each rod breaks. `None` where no rod belongs to a piece.
     pub fn new(
-        faces: &RodFaces,
+        faces: &'a RodFaces<'a>,
         (joints, rest): (&Joints, &[Pose]),
         names: &[String],
-        opening: &[u32],
+        history: &BreakHistory,
     ) -> Option<Self> {
         let (wood, run) = (faces.wood, faces.run);
         let mut maker = Maker {
             faces,
             joints,
             rest,
+            members: Membership::new(faces),
+            bonds: HeldBonds::new(wood, &run.state),
             along: section_lengths(wood),
             area: wood.cells.iter().map(|c| c.area).sum(),
-            opening,
+            opening: faces.openings(history),
             made: SectionJoints::default(),
         };
-        let of_parts = run.state.pieces(wood);
-        let members = Membership {
-            faces,
-            main: main_pieces(wood, run, &of_parts),
-            pieces: of_parts,
-        };
-        let all = maker.parts(|rod, along| members.of_any(rod, along));
+        let all = maker.parts(|rod, along| maker.members.of_any(rod, along));
         let whole = maker.followers(&all);
-        let bonds = HeldBonds::new(wood, &run.state);
         let mut pieces = Vec::new();
         for (piece, name) in names.iter().enumerate() {
-            let own = maker.parts(|rod, along| members.of_piece(piece, rod, along));
-            let sections = (&maker.along[..], maker.area);
-            let own = maker.followers(&bonds.leading_strand(wood, sections, &own));
-            let has_own = own.iter().any(Option::is_some);
-            let own = if has_own { &own } else { &whole };
-            pieces.push(maker.chain(name, &whole, own)?);
+            pieces.push(maker.piece(piece, name, &whole)?);
         }
         let mut hinges = Vec::new();
         for (face, fracture) in faces.fractures.iter().enumerate() {
@@ -406,28 +225,104 @@ impl Sections {
                 hinges.push(None);
                 continue;
             }
-            let own = maker.parts(|rod, along| members.of_hinge(face, rod, along));
+            let own = maker.parts(|rod, along| {
+                let reach = HINGE.1 * wood.stem.radius;
+                maker.members.of_hinge(face, rod, (along, reach))
+            });
             let own = maker.followers(&own);
             hinges.push(maker.chain(&format!("hinge_{face}"), &whole, &own));
         }
+        for face in 0..faces.count() {
+            maker.interlock(face, &pieces);
+        }
         Some(Sections {
-            parts: (0..pieces.len()).map(|p| members.parts(p)).collect(),
-            pieces,
+            faces,
             hinges,
+            parts: (0..pieces.len()).map(|p| maker.members.parts(p)).collect(),
+            pieces,
+            along: maker.along,
             joints: maker.made,
         })
     }
-}
 
-impl JointChain {
-    /// The joints on both sides of a length along the axis (m), with their weights; beyond the ends the last one.
-    pub fn weights_at(&self, along: f64) -> [(u32, f64); 2] {
+    /// The joints that a point of a piece follows, at a place of the section and a length along the axis (m), with their weights.
+    pub fn weights_at(&self, piece: usize, at: DVec2, along: f64) -> Weights {
+        let held = self.held(piece, at, along);
+        let free = held.map_or(1.0, |(_, share)| 1.0 - share);
+        let mut weights = Weights::new();
+        for (section, share) in self.sections_about(along) {
+            if free > 0.0 {
+                let own = self.pieces[piece].first + section as u32;
+                weights.push((own, free * share));
+            }
+            if let Some((hinge, held)) = held {
+                weights.push((hinge.first + section as u32, held * share));
+            }
+        }
+        merged(weights)
+    }
+
+    /// The sections on both sides of a length along the axis (m), with their weights; beyond the ends the last one.
+    fn sections_about(&self, along: f64) -> [(usize, f64); 2] {
         let above = self.along.partition_point(|&a| a <= along);
         let (a, b) = (above.saturating_sub(1), above.min(self.along.len() - 1));
         let t = match self.along[b] - self.along[a] {
             width if width > 0.0 => (along - self.along[a]) / width,
             _ => 0.0,
         };
-        [(self.first + a as u32, 1.0 - t), (self.first + b as u32, t)]
+        [(a, 1.0 - t), (b, t)]
     }
+
+    /// The hinge that holds a point of a piece, and how much of its motion that decides.
+    fn held(&self, piece: usize, at: DVec2, along: f64) -> Option<(JointChain, f64)> {
+        let faces = piece.saturating_sub(1)..(piece + 1).min(self.faces.count());
+        let held = faces.filter_map(|face| {
+            let hinge = self.hinges[face]?;
+            Some((hinge, held(self.faces, (face, face == piece), at, along)))
+        });
+        held.filter(|h| h.1 > 0.0)
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+/// How far whole rods decide the motion of a point of the piece below a face, or above it, at a place of the section and a
+/// length along the axis (m): 1 on the face between whole rods, 0 among broken ones and far away.
+fn held(faces: &RodFaces, (face, is_below): (usize, bool), at: DVec2, along: f64) -> f64 {
+    let width = faces.wood.spacing();
+    let (mut whole, mut all) = (0.0, 0.0);
+    let mut nearest = (f64::INFINITY, 0.0);
+    for (rod, cell) in faces.wood.cells.iter().enumerate() {
+        let far = cell.centroid.distance_squared(at) / (width * width);
+        let weight = cell.area * libm::exp(-far);
+        all += weight;
+        if faces.part_before(face, rod).is_none() {
+            whole += weight;
+            if far < nearest.0 {
+                nearest = (far, faces.length(face, rod));
+            }
+        }
+    }
+    let share = whole / all.max(f64::MIN_POSITIVE);
+    let above = (along - nearest.1) / faces.wood.stem.radius;
+    let inside = if is_below { -above } else { above };
+    let near = if inside >= 0.0 {
+        smooth((HINGE.1 - inside) / (HINGE.1 - HINGE.0))
+    } else {
+        smooth((BEYOND.1 + inside) / (BEYOND.1 - BEYOND.0))
+    };
+    smooth((share - 0.25) / 0.5) * near
+}
+
+/// Adds up the weights of each joint, and leaves out those that have none.
+fn merged(mut weights: Weights) -> Weights {
+    weights.sort_by_key(|w| w.0);
+    weights.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 += next.1;
+        }
+        same
+    });
+    weights.retain(|w| w.1 > 0.0);
+    weights
 }
