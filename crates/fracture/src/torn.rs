@@ -344,16 +344,8 @@ impl<'a> TornRelief<'a> {
         let key = index as i64;
         let zone = p.proportions().zone_at(rho, 0.0);
         let width = 2.0 * bundle.half_width * rho * self.ends.ring_unit;
-        let LargeShape {
-            level,
-            split,
-            tilt,
-            torn,
-            relief,
-            runs_out,
-            slabs,
-            thorns,
-        } = self.large_shape(noises, (index, end), (at, middle), noise);
+        let large = self.large_shape(noises, (index, end), (at, middle), noise);
+        let (torn, relief) = (large.torn, large.relief);
         let slab = self.ends.slabs.slab(end.slab as usize);
         let (slab_height, own_share, shortened) = self.height_on_slab(end);
         let [_, long, high] = end.sliver_random;
@@ -365,7 +357,7 @@ impl<'a> TornRelief<'a> {
         let length =
             longer * p.sliver_height * relief * torn * slab.splinters * (long * long * long);
         let (shaft, outline) = self.taper(end, length, p.sliver_height * relief * torn * high);
-        let feather = (LAYER_FEATHER * runs_out).min(self.longest_taper(end));
+        let feather = (LAYER_FEATHER * large.runs_out).min(self.longest_taper(end));
         // Fibres: most end with their sliver, a few stand out of it far.
         let [far, blade, off] = end.fibre_random;
         let splintered = 1.0 - PLATE_SHARPNESS * self.brittle;
@@ -378,7 +370,7 @@ impl<'a> TornRelief<'a> {
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
         let (crushed, crushed_blade) = self.crushed(end, torn);
         let slant = slab.slant * (torn * relief * p.slab_height);
-        let torn_height = slabs * relief * p.slab_height * slab_height
+        let torn_height = large.slabs * relief * p.slab_height * slab_height
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)
             + up * 0.6 * length * heavy(drop)
             + splintered
@@ -389,31 +381,29 @@ impl<'a> TornRelief<'a> {
             + up * outline * frayed.min(1.0) * strand(far, off);
         let cleft = up * splintered * relief * self.cleft(end, deeper);
         let shard = self.shard((key, i64::from(end.fork)), (middle, width), torn);
-        let base = level
+        let base = large.level
             + shard.height
             + torn * (torn_height - cleft)
             + (1.0 - torn) * crushed
             + slant.dot(self.about_pivot(end, at))
             - 0.5 * up * feather
-            - split;
+            - large.split;
         let base = self.with_bark(base, end, (rho, bundle.phi));
         BundleHeight {
             base,
-            thorn: thorns * self.thorn(rho, bundle.phi, zone, key, end.sliver),
+            thorn: large.thorns * self.thorn(rho, bundle.phi, zone, key, end.sliver),
             raggedness: fibre,
             middle,
-            slant: slant + tilt + shard.slant,
+            slant: slant + large.tilt + shard.slant,
             sliver: up * (outline + feather),
             fork: up * fork,
-            slab: slabs * own_share * torn * relief * p.slab_height * shortened,
+            slab: large.slabs * own_share * torn * relief * p.slab_height * shortened,
             plates: torn * self.brittle * PLATE_HEIGHT * p.step_height,
             rough: torn * p.step_height * (1.0 - PLATE_SMOOTHNESS * self.brittle)
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,
             folds: (1.0 - torn) * FOLD_HEIGHT * p.compression_height,
             noisy: CRUSHED_NOISE + (1.0 - CRUSHED_NOISE) * torn,
-            blade: up * blade.min(3.0 * tips::MAX_SLENDERNESS * width)
-                + shard.blade
-                + crushed_blade,
+            blade: up * blade.min(self.longest_blade(width)) + shard.blade + crushed_blade,
             bark: false,
         }
     }

@@ -8,7 +8,7 @@ use crate::height_model::purpose;
 const SLIVER_LENGTH: f64 = 2.5;
 const TAPER: f64 = 1.35;
 /// Greatest length of a blade over its width.
-pub(super) const MAX_SLENDERNESS: f64 = 9.0;
+const MAX_SLENDERNESS: f64 = 9.0;
 /// Share of the slivers that broke off nearly square, their taper over the usual one, and the least and the greatest taper of the others.
 const SQUARE_SHARE: f64 = 0.15;
 const SQUARE_TAPER: f64 = 0.2;
@@ -29,6 +29,11 @@ impl TornRelief<'_> {
     pub(super) fn longest_taper(&self, end: &TornEnd) -> f64 {
         let (width, _) = self.ends.slivers.region(end.sliver as usize).size();
         MAX_SLENDERNESS * width * self.ends.ring_unit * self.tapering(end).max(1.0)
+    }
+
+    /// Returns the greatest height of the blade of a bundle of a width, both radii.
+    pub(super) fn longest_blade(&self, width: f64) -> f64 {
+        3.0 * MAX_SLENDERNESS * width
     }
 
     /// Returns how far a sliver tapers against others: some are broken off nearly square, by steps from part to part.
