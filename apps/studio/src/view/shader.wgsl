@@ -642,16 +642,16 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     let depth = wood.bark.y;
     let seed = wood.seed.y ^ 0xba7cu;
     var sizes = array<f32, 3>(1.0, 0.47, 0.19);
-    var stretches = array<f32, 3>(5.0, 6.0, 9.0);
+    var stretches = array<f32, 3>(8.0, 8.0, 9.0);
     var shares = array<f32, 3>(1.0, 0.50, 0.22);
     var depths = array<f32, 3>(0.49, 0.335, 0.31);
     // Ridges are of several widths: the bark is shifted about the stem before furrows are cut.
     let out = vec3<f32>(place.xy / max(length(place.xy), 1e-6), 0.0);
     let around = vec3<f32>(-out.y, out.x, 0.0);
-    let uneven_scale = vec3<f32>(1.0, 1.0, 1.0 / 2.6) / (3.4 * width);
+    let uneven_scale = vec3<f32>(1.0, 1.0, 1.0 / 6.0) / (3.4 * width);
     let uneven = noise(seed ^ 6u, place * uneven_scale);
-    let ridged = place + around * (1.1 * width * uneven.w);
-    let ridged_rise = uneven.xyz * uneven_scale * (1.1 * width);
+    let ridged = place + around * (0.8 * width * uneven.w);
+    let ridged_rise = uneven.xyz * uneven_scale * (0.8 * width);
     // Shallow furrows are narrow.
     let openness = clamp(depth / width / 0.15, 0.35, 1.0);
     var edges = array<f32, 3>(0.34 * openness, 0.22 * openness, 0.20 * openness);

@@ -117,13 +117,13 @@ impl FigureSize {
 
 /// Furrows of three orders: wide ones between ridges, narrower ones that part the ridges, and cracks.
 const FURROWS: [FigureSize; 3] = [
-    furrow(1.0, 5.0, 1.0, 0.34),
-    furrow(0.47, 6.0, 0.50, 0.22),
+    furrow(1.0, 8.0, 1.0, 0.34),
+    furrow(0.47, 8.0, 0.50, 0.22),
     furrow(0.19, 9.0, 0.22, 0.20),
 ];
 /// Ridges are of several widths: the bark is shifted about the stem by slow noise, in parts of the distance between furrows, before
 /// furrows are cut. Size and length over size of the noise, and the farthest shift.
-const UNEVEN_RIDGES: FigureSize = figure(3.4, 2.6, 1.1);
+const UNEVEN_RIDGES: FigureSize = figure(3.4, 6.0, 0.8);
 /// Flakes, scales and dust between them.
 const FLAKES: [FigureSize; 4] = [
     figure(1.7, 2.0, 0.09),
