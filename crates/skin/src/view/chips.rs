@@ -18,7 +18,7 @@ const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
 /// Widths of slivers and of crumbs as a part of their length, and thicknesses as a part of their width.
 const SLIVER_WIDTHS: (f64, f64) = (0.03, 0.16);
 const CRUMB_WIDTHS: (f64, f64) = (0.15, 0.55);
-const THICKNESSES: (f64, f64) = (0.15, 0.6);
+const THICKNESSES: (f64, f64) = (0.12, 0.75);
 /// Least width, m on a stem of the reference radius.
 const LEAST_WIDTH: f64 = 0.22e-3;
 /// How far from a piece's middle chips lie, in half its widths: from the piece's outside, most of them near.
@@ -39,8 +39,11 @@ const BOW: f64 = 0.06;
 /// How far from the pith the wood of chips grew at most, and the bark of others, radii.
 const OUTERMOST: f64 = 0.85;
 const BARK_GROWN: f64 = 0.985;
-/// Parts of the length at which a chip has a section, and its width there: both ends are torn.
-const SECTIONS: [(f64, f64); 4] = [(0.0, 0.55), (0.3, 0.95), (0.72, 1.0), (1.0, 0.3)];
+/// Parts of the length at which a chip has a section, and its width in the middle; both ends are torn, some to a point and some nearly
+/// square.
+const SECTIONS: [f64; 4] = [0.0, 0.3, 0.72, 1.0];
+const MIDDLE: f64 = 0.95;
+const ENDS: (f64, f64) = (0.08, 1.0);
 /// In the hash: what random numbers are drawn for.
 const PURPOSE: u64 = 0xc419;
 /// The number of the place between the pieces, after those of the pieces.
@@ -160,11 +163,17 @@ impl Fallen<'_> {
         let grown = DVec2::new(cos, sin) * (part * radius);
         let grown = grown.extend(self.view.stem.location + 0.5 * length * (random(10) - 0.5));
         let first = self.mesh.positions.len() as u32;
-        for (part, swell) in SECTIONS {
+        let swells = [
+            between(ENDS, random(26)),
+            MIDDLE,
+            1.0,
+            between(ENDS, random(27) * random(28)),
+        ];
+        for (part, swell) in SECTIONS.into_iter().zip(swells) {
             let off_middle = 2.0 * part - 1.0;
             let height = BOW * length * off_middle * off_middle * random(11);
             // Neither edge is straight.
-            let aside = 0.3 * width * (random(12 + (part * 4.0) as i64) - 0.5);
+            let aside = 0.45 * width * (random(12 + (part * 4.0) as i64) - 0.5);
             for (side, above) in [(-0.5, 0.0), (0.5, 0.0), (0.4, 1.0), (-0.4, 1.0)] {
                 let across = side * width * swell + aside;
                 let raised = height + above * thickness * swell.max(0.4);
