@@ -8,7 +8,7 @@ use greenstick_picture::{
     View, azimuth_of_view, render_scene,
 };
 use greenstick_skin::view::{self, BreakView};
-use greenstick_skin::{WoodField, film, materials};
+use greenstick_skin::{WoodField, materials};
 use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
 use greenstick_wood::stem::Stem;
 
@@ -189,7 +189,7 @@ fn picture_of_moved_wood(
     let shader = StemShader::new(scene, woods)?;
     let mut options = options.clone();
     if let (None, Some(diameters)) = (options.zoom, options.close_up) {
-        let near = film::close_up(scene, &inner, diameters);
+        let near = view::close_up_of_frame(scene, &inner, diameters);
         options.zoom = near.map(|(centre, radius)| Sphere { centre, radius });
     }
     if options.zoom.is_none() && options.shown.is_empty() {

@@ -7,7 +7,6 @@
 //! detail of a film, [`collision`] collision shapes of its pieces.
 
 mod carried;
-mod close_up;
 mod collision;
 mod drawn;
 mod error;
@@ -32,7 +31,6 @@ mod separation;
 mod skinned_film;
 mod tracking;
 
-pub use close_up::close_up;
 pub use collision::{Collision, CollisionPiece, collision};
 pub use drawn::DrawnScene;
 pub use error::FilmError;

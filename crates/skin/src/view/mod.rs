@@ -2,7 +2,9 @@
 
 mod broken;
 mod chips;
+mod close_up;
 mod wood;
 
 pub use broken::{BreakView, Sight, long_side, moved_end};
+pub use close_up::close_up_of_frame;
 pub use wood::{close_up, points_without_splinters};

@@ -1,6 +1,6 @@
 //! What a close-up of a frame shows.
 
-use crate::view;
+use super::wood;
 use glam::DVec3;
 use greenstick_geometry::{Node, Scene};
 
@@ -13,10 +13,10 @@ const SPLINTER_SHARE: f64 = 0.01;
 /// Length of stem (radii) to both sides of the middle of all faces in which those of a piece count: sawn ends are of the same wood.
 const FACE: f64 = 2.0;
 
-/// Returns centre and radius (m) of what a close-up of `diameters` diameters of a stem shows, as [`view::close_up`]; of pieces that have
+/// Returns centre and radius (m) of what a close-up of `diameters` diameters of a stem shows, as [`super::close_up`]; of pieces that have
 /// come so far apart that it would show what is between them, the face of the largest one.
-pub fn close_up(scene: &Scene, inner: &[u32], diameters: f64) -> Option<(DVec3, f64)> {
-    let (centre, radius) = view::close_up(scene, inner, diameters)?;
+pub fn close_up_of_frame(scene: &Scene, inner: &[u32], diameters: f64) -> Option<(DVec3, f64)> {
+    let (centre, radius) = wood::close_up(scene, inner, diameters)?;
     let stem_radius = radius / diameters;
     let pieces: Vec<(f64, Vec<FacePart>)> = (scene.nodes.iter())
         .filter(|node| !node.is_detail)
