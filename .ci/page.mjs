@@ -227,8 +227,7 @@ await drop('bad.glb', 'no mesh');
 await wait('a message about a bad file', async () => (await message_pixels()) > quiet + 200);
 await shot('bad');
 
-// A mesh of one's own, by the settings as they come. It has an edge of more than two triangles; the face of seed 2 runs through that, and is
-// refused.
+// A mesh of one's own, by the settings as they come, and by other seeds.
 await page.goto('about:blank');
 await page.goto(address);
 await wait('a picture before a mesh', async () => (await pictures()) > 0);
