@@ -9,7 +9,8 @@ use greenstick::geometry::{Context, Mesh, Motion, Node, Pose, Scene};
 use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
 use greenstick::skin::{
     WoodField,
-    film::{FilmOptions, Run, close_up as close_up_of_pieces, shows_well},
+    film::{FilmOptions, Run, shows_well},
+    view::close_up_of_frame,
 };
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -217,10 +218,10 @@ fn skin_that_is_not_where_its_rods_are_is_noticed_and_close_ups_show_the_break()
     }
     let volumes = [0, 1].map(|piece| apart.nodes[piece].mesh.volume());
     let by = if volumes[0] > volumes[1] { -0.5 } else { 0.5 };
-    let (centre, radius) = close_up_of_pieces(&apart, &[inner], 3.0).unwrap();
+    let (centre, radius) = close_up_of_frame(&apart, &[inner], 3.0).unwrap();
     assert!((centre.x - place - by).abs() < radius, "{centre} {place}");
     assert!((radius - near.radius).abs() < 1e-12);
-    let together = close_up_of_pieces(&at_rest, &[inner], 3.0).unwrap();
+    let together = close_up_of_frame(&at_rest, &[inner], 3.0).unwrap();
     assert_eq!(together, (near.centre, near.radius));
 }
 
