@@ -56,14 +56,13 @@ impl Coin {
 
     /// Returns the items of a scene and those of the coin.
     pub fn beside<'a>(&'a self, items: &[Item<'a>]) -> Vec<Item<'a>> {
-        let copied = items.iter().map(|item| Item { ..*item });
         let parts = self.parts.iter().zip(&self.shaders);
         let own = parts.map(|(mesh, shader)| Item {
             mesh,
             transform: self.transform,
             shader,
         });
-        copied.chain(own).collect()
+        items.iter().copied().chain(own).collect()
     }
 
     /// Points about it, m.

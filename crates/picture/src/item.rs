@@ -5,6 +5,7 @@ use glam::DAffine3;
 use greenstick_geometry::Mesh;
 
 /// A mesh in the scene with its appearance.
+#[derive(Clone, Copy)]
 pub struct Item<'a> {
     /// The mesh in local coordinates.
     pub mesh: &'a Mesh,

@@ -108,8 +108,7 @@ impl FallenLeaves {
             transform: DAffine3::IDENTITY,
             shader: &self.shader,
         };
-        let copied = items.iter().map(|item| Item { ..*item });
-        copied.chain([own]).collect()
+        [items, &[own]].concat()
     }
 }
 

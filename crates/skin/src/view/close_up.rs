@@ -1,15 +1,12 @@
 //! What a close-up of a frame shows.
 
-use super::wood;
+use super::wood::{self, SPLINTER_SHARE};
 use glam::DVec3;
 use greenstick_geometry::{Node, Scene};
 
 /// Distance of a piece's faces from the middle of all of them, over the radius that is shown, from which on the pieces are too far from
 /// each other to be shown in one.
 const APART: f64 = 0.7;
-/// Pieces of less than this share of the wood are splinters, which may fly far.
-const SPLINTER_SHARE: f64 = 0.01;
-
 /// Length of stem (radii) to both sides of the middle of all faces in which those of a piece count: sawn ends are of the same wood.
 const FACE: f64 = 2.0;
 

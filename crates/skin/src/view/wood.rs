@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use greenstick_geometry::{Node, Scene};
 
 /// Pieces of less than this share of the wood are splinters, which may fly far: a picture need not show them.
-const SPLINTER_SHARE: f64 = 0.01;
+pub(super) const SPLINTER_SHARE: f64 = 0.01;
 
 fn is_wood(node: &Node) -> bool {
     node.mesh.attributes.contains_key("_GRAIN")

@@ -1,5 +1,5 @@
 //! Joints along the pieces that faces cut wood into. Each follows the rods of its piece near one length of the stem; beside a face
-//! each group of rods has joints of its own.
+//! those that hold have joints of their own, and pieces that reach into each other keep together.
 
 use super::membership::Membership;
 use super::rod_faces::RodFaces;
