@@ -26,6 +26,7 @@ class RequestKeys(TypedDict, total=False):
     pith: str | float | None
     kind: Literal["round", "board", "dowel", "pole"] | None
     eccentricity_onset: float | str | None
+    slope_of_grain: float | str
     annual_rings: int | str | None
     ring_resolution: int | str
     ring_radii: Sequence[float] | NDArray[Any] | str | None
@@ -162,7 +163,7 @@ class RequestAttributes:
     def least_cover(self, value: float | str) -> None: ...
     @property
     def pith(self) -> str | None:
-        """Pith of the stem: x,y,z in the world, or x,y in the section from its middle; 'auto' estimates it."""
+        """Pith of the stem: x,y,z in the world, or x,y in the section from its middle (of sawn wood, half-way along it); 'auto' estimates it."""
     @pith.setter
     def pith(self, value: str | float | None) -> None: ...
     @property
@@ -175,6 +176,11 @@ class RequestAttributes:
         """Share of the radius at which a stem that is eccentric began to lean: rings within are round about the pith, rings beyond are wider on one side, all by the same share. 'auto' is the usual one of such an outline; points on a few rings decide it. Unit: fraction."""
     @eccentricity_onset.setter
     def eccentricity_onset(self, value: float | str | None) -> None: ...
+    @property
+    def slope_of_grain(self) -> float:
+        """Slope of grain of sawn wood: how far its fibres run across it per length, on average, with waves about that. 0 is straight-grained. Flat-sawn faces show it as arches (cathedral figure). That of a round stem follows its bark. Unit: fraction."""
+    @slope_of_grain.setter
+    def slope_of_grain(self, value: float | str) -> None: ...
     @property
     def annual_rings(self) -> int | None:
         """Annual rings of even width; 'auto' makes as many as usual, of widths that differ from year to year. An erosion makes its own."""
@@ -510,11 +516,11 @@ class RequestAttributes:
     ]) -> bool: ...
     @overload
     def __getitem__(self, key: Literal[
-        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "diameter", "inclination",
-        "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion", "thorn_shaft",
-        "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz", "step_height",
-        "split", "compression_shelf", "compression_height", "bark_offset", "bark_height", "hang",
-        "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
+        "outliers", "isolated", "spacing", "least_cover", "slope_of_grain", "part", "fray", "diameter",
+        "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
+        "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
+        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
+        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
         "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
         "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
         "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",
@@ -614,11 +620,11 @@ class RequestAttributes:
     ], value: bool) -> None: ...
     @overload
     def __setitem__(self, key: Literal[
-        "outliers", "isolated", "spacing", "least_cover", "part", "fray", "diameter", "inclination",
-        "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion", "thorn_shaft",
-        "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz", "step_height",
-        "split", "compression_shelf", "compression_height", "bark_offset", "bark_height", "hang",
-        "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
+        "outliers", "isolated", "spacing", "least_cover", "slope_of_grain", "part", "fray", "diameter",
+        "inclination", "inclination_direction", "pith_proportion", "heartwood_proportion", "phloem_proportion",
+        "thorn_shaft", "size_effect", "bundle_aspect", "slab_height", "sliver_height", "fibre_height", "fuzz",
+        "step_height", "split", "compression_shelf", "compression_height", "bark_offset", "bark_height",
+        "hang", "spiral_angle", "pith.perlin_amplitude", "pith.perlin_frequency", "pith.white_noise_amplitude",
         "pith.thorn_length", "pith.thorn_probability", "heartwood.perlin_amplitude",
         "heartwood.perlin_frequency", "heartwood.white_noise_amplitude", "heartwood.thorn_length",
         "heartwood.thorn_probability", "sapwood.perlin_amplitude", "sapwood.perlin_frequency",

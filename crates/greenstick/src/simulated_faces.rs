@@ -121,6 +121,7 @@ pub fn faces_of_wood(
         stem: StemOptions {
             kind: Some(wood.stem.kind),
             eccentricity_onset: setting.stem.eccentricity_onset,
+            slope_of_grain: 0.0,
             ..StemOptions::default()
         },
         rings: setting.rings.clone(),

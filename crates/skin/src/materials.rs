@@ -5,7 +5,7 @@ mod textured;
 
 use crate::broken::lacks_material;
 use crate::prepared::PreparedStem;
-use crate::texture::{self, SectionSquare, TextureError, TexturedWood, WoodTextures};
+use crate::texture::{self, PlanedFaces, SectionSquare, TextureError, TexturedWood, WoodTextures};
 use glam::DVec2;
 use greenstick_geometry::mesh::NO_MATERIAL;
 use greenstick_geometry::{Context, Material, Scene, Stage};
@@ -153,7 +153,7 @@ pub fn bake_stem(
             };
             Some(texture::bake_planed(
                 width,
-                square,
+                &PlanedFaces::of_stem(stem, square),
                 (wood, weathered),
                 &outside,
             )?)

@@ -20,4 +20,4 @@ pub use error::TextureError;
 pub use images::WoodTextures;
 pub use inside::{SectionAddress, SectionPoint, TexturedWood, bake};
 pub use outside::{bake_bark, bake_planed};
-pub use square::SectionSquare;
+pub use square::{PlanedFaces, SectionSquare};

@@ -125,6 +125,7 @@ impl Rig {
         let (mesh, axes, kind) = specimen_mesh(test);
         let options = StemOptions {
             kind: Some(kind),
+            slope_of_grain: 0.0,
             ..StemOptions::default()
         };
         let stem = find_stem(&[mesh], &StemLocation::Fraction(0.5), &options, context)?.stem;

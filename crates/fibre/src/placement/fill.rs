@@ -167,8 +167,8 @@ fn outline(stem: &Stem, s: f64) -> Option<Vec<DVec2>> {
         .iter()
         .filter(|c| c.area > 0.0 && c.contour.len() > 2)
         .min_by(|a, b| (a.length - s).abs().total_cmp(&(b.length - s).abs()))?;
-    let scale = stem.grain.scale(section.length);
-    let mut outline: Vec<DVec2> = section.contour.iter().map(|&p| p / scale).collect();
+    let in_grain = |&p: &DVec2| stem.grain.from_section(p, section.length);
+    let mut outline: Vec<DVec2> = section.contour.iter().map(in_grain).collect();
     outline.dedup();
     if outline.first() == outline.last() {
         outline.pop();

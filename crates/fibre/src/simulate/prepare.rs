@@ -172,6 +172,8 @@ fn find_in_scene(
     let meshes = of_stem.scene.world_meshes();
     let options = StemOptions {
         eccentricity_onset: scene.stem.eccentricity_onset,
+        // Rods run along sawn wood, as in the straight-grained specimens of standard tests.
+        slope_of_grain: 0.0,
         ..StemOptions::default()
     };
     Ok(find_stem(&meshes, &of_stem.location, &options, context)?)

@@ -3,9 +3,12 @@
 //! Collapsing an edge leaves a closed mesh closed and manifold where its ends have no neighbours in common but those
 //! beside it (T. K. Dey, H. Edelsbrunner, S. Guha and D. V. Nekhayev, *Topology preserving edge contraction*, 1999).
 
-use crate::Mesh;
 use crate::intersect::collinear;
+use crate::{Cancelled, Context, Mesh};
 use glam::DVec3;
+
+/// Edges that are collapsed between two checks for cancellation.
+const CHECK_INTERVAL: usize = 1 << 6;
 
 /// The outcome of [`super::resolve_self_intersections`].
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -87,17 +90,24 @@ impl EdgeCollapser {
 
     /// Collapses the edges of the triangles in `pairs` that are no longer than `longest`, the shortest first. If one end
     /// `is_fixed`, the other moves to it; if both are, the edge stays. Returns the changed triangles, ascending.
+    ///
+    /// # Errors
+    /// [`Cancelled`] where the caller cancelled; some edges have been collapsed then.
     pub fn collapse_edges(
         &mut self,
         pairs: &[[u32; 2]],
         longest: f64,
         is_fixed: &dyn Fn(u32) -> bool,
         done: &mut Collapsed,
-    ) -> Vec<u32> {
+        context: &Context,
+    ) -> Result<Vec<u32>, Cancelled> {
         let mut changed: Vec<u32> = Vec::new();
-        for (length, a, b) in self.edges_of(pairs) {
+        for (i, (length, a, b)) in self.edges_of(pairs).into_iter().enumerate() {
             if length > longest {
                 break;
+            }
+            if i % CHECK_INTERVAL == 0 {
+                context.check()?;
             }
             let (a, b) = (self.current(a), self.current(b));
             let (a, b) = match self.to {
@@ -115,7 +125,7 @@ impl EdgeCollapser {
         changed.sort_unstable();
         changed.dedup();
         changed.retain(|&t| !self.is_collapsed(t as usize));
-        changed
+        Ok(changed)
     }
 
     /// Removes the pairs with a triangle that has collapsed or is among `changed` (ascending).

@@ -256,7 +256,7 @@ fn collapse_faults(
     for round in 0..ROUNDS {
         context.check()?;
         let longest = extent * FIRST_LENGTH * f64::from(1 << round);
-        let changed = collapser.collapse_edges(&faults, longest, &|_| false, done);
+        let changed = collapser.collapse_edges(&faults, longest, &|_| false, done, context)?;
         if changed.is_empty() {
             continue;
         }

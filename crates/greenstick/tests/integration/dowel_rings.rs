@@ -63,7 +63,9 @@ fn request(at: &str, pith: bool) -> BreakRequest {
     let mut file = RequestFile::default();
     let rings = format!("annual_rings={RINGS}");
     let at = format!("at={at}");
-    let mut settings = vec![&*at, "kind=dowel", "surface=fibrous", &*rings];
+    // Rings are cones about the pith only where grain is straight.
+    let straight = "slope_of_grain=0";
+    let mut settings = vec![&*at, straight, "kind=dowel", "surface=fibrous", &*rings];
     let pith_at = format!("pith={},{},0.1", PITH.x, PITH.y);
     if pith {
         settings.push(&pith_at);

@@ -1,16 +1,20 @@
-//! Leaves that lie on a forest floor: curled, so that they stand out of the layers of flat ones below them and shade each other.
+//! Leaves and twigs that lie on a forest floor: curled, so that they stand out of the layers of flat ones below them and shade each
+//! other.
 
-use super::noise::unit;
+use super::noise::{unit, value};
 use crate::camera::Camera;
 use crate::item::Item;
 use crate::plain::PlainShader;
-use glam::{DAffine3, DVec2, DVec3, Vec3};
+use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3};
 use greenstick_geometry::{Attribute, Mesh};
 use std::f64::consts::{PI, TAU};
 
 /// Distance between places of leaves, m, and the share of them that have one.
 const SPACING: f64 = 0.052;
 const SHARE: f32 = 0.5;
+/// How uneven they lie: features of the noise, in distances between places, and how much it takes from the share at most.
+const PATCHES: f32 = 5.0;
+const THINNED: f32 = 0.45;
 /// Most places along each side of what the picture shows; on more ground they lie farther apart.
 const MOST_PLACES: f64 = 72.0;
 /// How far beyond what is shown leaves lie, as a part of its extent.
@@ -28,7 +32,7 @@ const TWIST: f64 = 0.8;
 const TILT: f64 = 0.30;
 const LIFT: f64 = 4e-3;
 /// Sections along a leaf, and places across it, in half widths: the midrib is narrow.
-const ALONG: u32 = 10;
+const ALONG: u32 = 16;
 const ACROSS: [f64; 8] = [-1.0, -0.68, -0.34, -0.05, 0.05, 0.34, 0.68, 1.0];
 /// How much lighter midribs are, and darker edges.
 const MIDRIB: f64 = 1.35;
@@ -42,8 +46,34 @@ const COLORS: [Vec3; 5] = [
     Vec3::new(0.245, 0.180, 0.115),
 ];
 
+/// Shares of leaves with lobes, of narrow ones, and of twigs.
+const LOBED: f32 = 0.3;
+const NARROW: f32 = 0.2;
+const TWIGS: f32 = 0.07;
+/// Lobes along a leaf, how deep they are cut, in half widths, and how much narrower narrow leaves are.
+const LOBES: f64 = 3.5;
+const LOBE_DEPTH: f64 = 0.34;
+const NARROWER: f64 = 0.45;
+/// Half lengths and half thicknesses of twigs, m: least, and what the largest has more; how far they are bent, in half lengths, and
+/// their linear reflectance.
+const TWIG_LENGTHS: (f64, f64) = (0.035, 0.13);
+const TWIG_RADII: (f64, f64) = (1.2e-3, 2.8e-3);
+const TWIG_BEND: f64 = 0.16;
+const TWIG_COLOR: Vec3 = Vec3::new(0.125, 0.100, 0.078);
+
 /// In the hash.
 const SEED: u32 = 0x1ea7;
+
+/// What lies on the ground.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Shape {
+    /// A leaf that is widest before its middle and drawn out at the tip.
+    Ovate,
+    /// The same with lobes, as of an oak.
+    Lobed,
+    /// A thin round stem.
+    Twig,
+}
 
 /// Leaves that lie on the ground, as items of a scene.
 pub(crate) struct FallenLeaves {
@@ -51,8 +81,9 @@ pub(crate) struct FallenLeaves {
     shader: PlainShader,
 }
 
-/// A leaf on the ground.
+/// A leaf or twig on the ground.
 struct Leaf {
+    shape: Shape,
     /// Its middle, m from that of the picture, and its direction.
     middle: DVec2,
     direction: DVec2,
@@ -116,7 +147,9 @@ impl Leaf {
     /// The leaf of a place of the ground, if there is one.
     fn at([i, j]: [i32; 2], spacing: f64) -> Option<Leaf> {
         let draw = |k: u32| unit(SEED ^ k << 24, i, j);
-        if draw(0) > SHARE {
+        let place = Vec2::new(i as f32, j as f32) / PATCHES;
+        let thinned = THINNED * (0.5 - 0.5 * value(SEED ^ 0xbed, place));
+        if draw(0) > SHARE * (1.0 - thinned) {
             return None;
         }
         let random = |k: u32| f64::from(draw(k));
@@ -125,11 +158,28 @@ impl Leaf {
         let (sin, cos) = libm::sincos(TAU * random(3));
         let long = within(LENGTHS, random(4) * random(5).sqrt());
         let kind = (draw(6) * COLORS.len() as f32) as usize;
+        let wide = long * within(WIDTHS, random(7));
+        let of_shape = draw(16);
+        let (shape, long, wide) = match of_shape {
+            s if s < TWIGS => (
+                Shape::Twig,
+                within(TWIG_LENGTHS, random(4) * random(5)),
+                within(TWIG_RADII, random(7) * random(7)),
+            ),
+            s if s < TWIGS + LOBED => (Shape::Lobed, 1.15 * long, wide),
+            s if s < TWIGS + LOBED + NARROW => (Shape::Ovate, long, NARROWER * wide),
+            _ => (Shape::Ovate, long, wide),
+        };
+        let base = match shape {
+            Shape::Twig => TWIG_COLOR,
+            _ => COLORS[kind.min(COLORS.len() - 1)],
+        };
         Some(Leaf {
+            shape,
             middle: DVec2::new(f64::from(i) + random(1), f64::from(j) + random(2)) * spacing,
             direction: DVec2::new(cos, sin),
             long,
-            wide: long * within(WIDTHS, random(7)),
+            wide,
             rolls: [
                 between(EDGE_ROLLS, random(8)),
                 between(TIP_ROLLS, random(9)),
@@ -138,15 +188,30 @@ impl Leaf {
             twist: TWIST * (random(12) - 0.5),
             phase: TAU * random(13),
             lift: LIFT * random(14),
-            color: COLORS[kind.min(COLORS.len() - 1)] * (0.7 + 0.6 * draw(15)),
+            color: base * (0.7 + 0.6 * draw(15)),
         })
     }
 
     /// The place of a point along (−1 to 1) and across the leaf (likewise): along and beside its direction, and its height, m.
     fn place(&self, along: f64, across: f64) -> DVec3 {
-        // Widest before its middle, drawn out at the tip.
         let t = 0.5 + 0.5 * along;
-        let half = self.wide * (2.6 * t.sqrt() * (1.0 - t)).max(0.0);
+        if self.shape == Shape::Twig {
+            let (sin, cos) = libm::sincos(PI * across);
+            let radius = self.wide * (1.0 - 0.6 * t);
+            let bent = TWIG_BEND * self.long * (1.0 - along * along);
+            let kinked = 0.2 * bent * libm::sin(5.0 * along + self.phase);
+            let beside = bent * self.twist / TWIST + kinked;
+            return DVec3::new(along * self.long, beside + radius * sin, radius * cos);
+        }
+        // Widest before its middle, drawn out at the tip.
+        let lobes = match self.shape {
+            Shape::Lobed => {
+                let wave = libm::cos(TAU * (LOBES * t * (1.2 - 0.2 * t) + 0.5));
+                1.0 - LOBE_DEPTH * (0.5 - 0.5 * wave) * (1.0 - t * t * t)
+            }
+            Shape::Ovate | Shape::Twig => 1.0,
+        };
+        let half = self.wide * (2.6 * t.sqrt() * (1.0 - t)).max(0.0) * lobes;
         let beside = across * half;
         let wave = WAVE * across * libm::sin(3.5 * PI * along + self.phase);
         let rolled = self.rolls[0] * across * across + wave;
@@ -198,6 +263,7 @@ impl Leaves {
             let normal = world(normal).normalize_or(up);
             self.normals.extend(normal.as_vec3().to_array());
             let tone = match b.abs() {
+                _ if leaf.shape == Shape::Twig => 1.0,
                 rib if rib < 0.1 => MIDRIB,
                 edge if edge > 0.9 => EDGE,
                 _ => 1.0,

@@ -331,7 +331,8 @@ pub fn open_end(
     let height = made.end.at(found.rings.pith());
     let off = |s: &&CrossSection| (s.length - height).abs();
     let nearest = (found.sections.iter()).min_by(|a, b| off(a).total_cmp(&off(b)));
-    let middle = nearest.map_or(found.rings.pith(), |s| s.centroid);
+    let in_grain = |s: &CrossSection| found.grain.from_section(s.centroid, s.length);
+    let middle = nearest.map_or(found.rings.pith(), in_grain);
     let end = EndOfStem {
         middle: stem.layers.to_world(middle.extend(made.end.at(middle))),
         outward: match far {

@@ -2,7 +2,7 @@
 
 use super::textured::{REPEATING, textured};
 use crate::prepared::PreparedStem;
-use crate::texture::WoodTextures;
+use crate::texture::{PlanedFaces, WoodTextures};
 use glam::{DVec2, DVec3};
 use greenstick_geometry::{Attribute, Mesh, Scene};
 use greenstick_wood::appearance::faces_pith;
@@ -80,7 +80,8 @@ fn on_stem(mesh: &Mesh, t: usize, prepared: &PreparedStem) -> Option<Outside> {
     }
     let coordinates = match stem.kind {
         StemKind::Board | StemKind::Dowel | StemKind::Pole => {
-            grain.map(|g| square.planed(g.truncate(), g.z, normal.truncate()))
+            let faces = PlanedFaces::of_stem(stem, *square);
+            grain.map(|g| faces.coordinates(g, normal.truncate()))
         }
         StemKind::Round => {
             let pith = stem.rings.pith();

@@ -3,7 +3,7 @@
 use super::error::{TextureError, check_size};
 use super::images::{ImageSize, WoodTextures, bake_images, put};
 use super::inside::TexturedWood;
-use super::square::SectionSquare;
+use super::square::PlanedFaces;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::Context;
 use greenstick_wood::appearance::{
@@ -54,16 +54,17 @@ pub fn bake_bark(
 }
 
 /// Bakes the planed faces of a board: strips side by side, the faces towards −y and +y of its section, then those towards −x
-/// and +x, over a length of one perimeter of the section. It repeats along the grain.
+/// and +x, over the length of `faces`, along which it repeats.
 ///
 /// # Errors
 /// [`TextureError`] where the size or the section is out of range or the caller cancelled.
 pub fn bake_planed(
     size: u32,
-    square: SectionSquare,
+    faces: &PlanedFaces,
     (wood, weather): (TexturedWood, bool),
     context: &Context,
 ) -> Result<WoodTextures, TextureError> {
+    let square = faces.square;
     let perimeter = check_size(size, square.perimeter())?;
     let texel = perimeter / f64::from(size);
     let image = ImageSize {
@@ -72,16 +73,16 @@ pub fn bake_planed(
         height: size / 2,
     };
     let appearance = WoodAppearance {
-        period: Some(perimeter),
+        period: Some(faces.length),
         ..wood.appearance.clone()
     };
-    let row_height = perimeter / f64::from(image.height);
+    let row_height = faces.length / f64::from(image.height);
     bake_images(image, context, |row, mut images| {
         let mut memory = NoiseMemory::default();
         let along = (f64::from(row) + 0.5) * row_height;
         for column in 0..size {
             let (at, direction) = square.on_perimeter((f64::from(column) + 0.5) * texel);
-            let across = at - wood.pith;
+            let across = faces.fibre_at(at, along) - wood.pith;
             let (rho, angle) = (wood.section)(across);
             let address = StemAddress {
                 rho,
@@ -107,6 +108,7 @@ pub fn bake_planed(
 
 #[cfg(test)]
 mod tests {
+    use super::super::square::SectionSquare;
     use super::*;
 
     /// Brightness of the pixels of a colour texture, row by row, and its size.
@@ -159,9 +161,10 @@ mod tests {
             size: DVec2::new(0.2, 0.04),
             ..SectionSquare::round(DVec2::ZERO, 0.204)
         };
+        let faces = PlanedFaces::straight_grained(square);
         // Coordinates of the middle of the upper face, and of a point 5 cm aside.
-        let middle = square.planed(DVec2::new(0.0, 0.02), 0.0, DVec2::Y);
-        let aside = square.planed(DVec2::new(0.05, 0.02), 0.0, DVec2::Y);
+        let middle = faces.coordinates(DVec3::new(0.0, 0.02, 0.0), DVec2::Y);
+        let aside = faces.coordinates(DVec3::new(0.05, 0.02, 0.0), DVec2::Y);
         for (at, expected) in [
             (middle, DVec2::new(0.0, 0.02)),
             (aside, DVec2::new(0.05, 0.02)),
@@ -176,13 +179,13 @@ mod tests {
             appearance: &wood,
             rings: &wood.usual_rings(),
         };
-        let baked = bake_planed(1024, square, (textured, false), &Context::quiet()).unwrap();
+        let baked = bake_planed(1024, &faces, (textured, false), &Context::quiet()).unwrap();
         let (width, height, pixels) = brightness(&baked);
         assert_eq!((width, height), (1024, 512));
         // Both sides of the upper face show the same rings, mirrored about the middle: their means over the length agree
         // better than those of other places.
         let column = |x: f64| -> f64 {
-            let u = square.planed(DVec2::new(x, 0.02), 0.0, DVec2::Y).x;
+            let u = faces.coordinates(DVec3::new(x, 0.02, 0.0), DVec2::Y).x;
             let x = (u * width as f64) as usize;
             let sum: i32 = (0..height).map(|y| pixels[y * width + x]).sum();
             f64::from(sum) / height as f64

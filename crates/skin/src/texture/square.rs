@@ -1,6 +1,7 @@
 //! What of a stem a texture of its inner wood covers, and the texture coordinates of its points.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+use greenstick_wood::stem::{GrainSpace, Stem};
 
 /// The square of a section that a texture covers, and the side grain beside it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -88,21 +89,20 @@ impl SectionSquare {
         }
     }
 
-    /// Coordinates, in parts of the texture of planed faces, of a point of the section at length `s` (m) on a face with
-    /// this outward normal.
-    pub fn planed(&self, across: DVec2, s: f64, normal: DVec2) -> DVec2 {
-        let p = across - (self.middle - 0.5 * self.size);
+    /// Returns how far along the perimeter, as [`SectionSquare::on_perimeter`] counts it (m), a place of the section lies on a face
+    /// with this outward normal.
+    fn along_perimeter(&self, place: DVec2, normal: DVec2) -> f64 {
+        let p = place - (self.middle - 0.5 * self.size);
         let DVec2 {
             x: width,
             y: height,
         } = self.size;
-        let u = match normal {
+        match normal {
             n if n.y.abs() >= n.x.abs() && n.y < 0.0 => p.x.clamp(0.0, width),
             n if n.y.abs() >= n.x.abs() => width + p.x.clamp(0.0, width),
             n if n.x < 0.0 => 2.0 * width + p.y.clamp(0.0, height),
             _ => 2.0 * width + height + p.y.clamp(0.0, height),
-        };
-        DVec2::new(u, s) / self.perimeter()
+        }
     }
 
     /// Texture coordinates (m) of end grain at a point of the section.
@@ -116,5 +116,52 @@ impl SectionSquare {
         let drift = (RING_DRIFT * turned).clamp(-MAX_DRIFT, MAX_DRIFT);
         let across = (rho * (1.0 + drift) - self.rho.0).max(0.0);
         DVec2::new(self.side + self.radius * across, s / Self::STRETCH)
+    }
+}
+
+/// The planed faces of sawn wood, side by side on a texture whose rows lie along the grain.
+#[derive(Debug, Clone, Copy)]
+pub struct PlanedFaces<'a> {
+    /// What the section holds.
+    pub square: SectionSquare,
+    /// Length along the stem that the texture covers, and after which it repeats, m.
+    pub length: f64,
+    grain: Option<&'a GrainSpace>,
+}
+
+impl<'a> PlanedFaces<'a> {
+    /// Faces that look the same all along: the texture covers as much of the length as of the perimeter.
+    pub fn straight_grained(square: SectionSquare) -> Self {
+        PlanedFaces {
+            square,
+            length: square.perimeter(),
+            grain: None,
+        }
+    }
+
+    /// Faces of a stem. Where its grain slopes, they differ all along, and the texture covers the whole stem.
+    pub fn of_stem(stem: &'a Stem, square: SectionSquare) -> Self {
+        let straight = PlanedFaces::straight_grained(square);
+        if !stem.grain.is_sloped() {
+            return straight;
+        }
+        PlanedFaces {
+            length: stem.length,
+            grain: Some(&stem.grain),
+            ..straight
+        }
+    }
+
+    /// Returns the coordinates, in parts of the texture, of a point of grain space (m) on a face with this outward normal.
+    pub fn coordinates(&self, grain: DVec3, normal: DVec2) -> DVec2 {
+        let across = grain.truncate();
+        let place = self.grain.map_or(across, |g| g.to_section(across, grain.z));
+        let along = self.square.along_perimeter(place, normal);
+        DVec2::new(along / self.square.perimeter(), grain.z / self.length)
+    }
+
+    /// Returns the place in grain space (x, y) of a place in the section at length `s` (m) that the texture shows.
+    pub(super) fn fibre_at(&self, place: DVec2, s: f64) -> DVec2 {
+        self.grain.map_or(place, |g| g.from_section(place, s))
     }
 }

@@ -32,12 +32,12 @@ const CLEAR_CELLS: f64 = 16.0;
 const ELEVATION: f64 = 0.5;
 /// Ratio of the sides of a section from which on it is flat.
 const FLAT: f64 = 2.2;
-/// How steeply the opened break of a flat stem, which lies on its broad side, is looked down on, and how far the camera is turned
-/// towards the lower face, rad.
-const FLAT_ELEVATION: f64 = 0.75;
-const FLAT_TURN: f64 = 0.45;
-/// How far its upper piece is moved along the grain: as a part of the face's height, and in radii.
-const FLAT_DISTANCE: (f64, f64) = (0.45, 0.35);
+/// How steeply the opened break of a flat stem, which lies on its broad side, is looked down on, and how far its lower and upper
+/// piece are turned towards the camera, rad: both its thickness and the figure of its broad side are seen.
+const FLAT_ELEVATION: f64 = 0.6;
+const FLAT_TURNS: (f64, f64) = (0.65, 0.55);
+/// How much farther from the camera its upper piece lies, in widths of the section.
+const FLAT_AWAY: f64 = 0.7;
 
 /// A break, as a picture shows it.
 #[derive(Debug, Clone, Copy)]
@@ -231,15 +231,10 @@ impl BreakView<'_> {
                 let between = (upper - tangent).reject_from(axis).try_normalize();
                 (axis, between.unwrap_or(-tangent), ELEVATION)
             }
-            // Both lie on their broad sides, with the grain to the right.
-            (None, Some(long)) => {
-                let (sin, cos) = libm::sincos(FLAT_TURN);
-                let direction = long * cos - tangent * sin;
-                (tangent.cross(long), direction, FLAT_ELEVATION)
-            }
-            (None, None) => {
+            (None, long) => {
                 let lying = self.lying();
-                (lying.up, lying.away, ELEVATION)
+                let elevation = long.map_or(ELEVATION, |_| FLAT_ELEVATION);
+                (lying.up, lying.away, elevation)
             }
         };
         Sight {
@@ -257,29 +252,31 @@ impl BreakView<'_> {
         let (flat, long) = FACE_RATIOS;
         let part = ((ratio - flat) / (long - flat)).clamp(0.0, 1.0);
         let between = |(flat, long): (f64, f64)| flat + (long - flat) * part;
-        let (lower_turn, upper_turn) = (between(LOWER_TURNS), between(UPPER_TURNS));
+        // A flat stem lies on its broad side.
+        let (up, lower_turn, upper_turn, upper_away) = match self.long_side {
+            Some(long) => (tangent.cross(long), FLAT_TURNS.0, FLAT_TURNS.1, FLAT_AWAY),
+            None => (
+                y,
+                between(LOWER_TURNS),
+                between(UPPER_TURNS),
+                between(UPPER_AWAY),
+            ),
+        };
         let (sin, cos) = libm::sincos(lower_turn);
-        let away = y.cross(tangent) * cos - tangent * sin;
+        let away = up.cross(tangent) * cos - tangent * sin;
         Lying {
-            up: y,
+            up,
             away,
-            right: away.cross(y),
+            right: away.cross(up),
             turn: lower_turn + upper_turn,
-            aside: away * (between(UPPER_AWAY) * self.width),
+            aside: away * (upper_away * self.width),
         }
     }
 
     /// Returns the motion of the upper piece of a broken scene, whose nodes have these roles, from where it grew to where it lies in
-    /// a picture of both faces: beside the lower one, clear of it. That of a flat stem is moved along the grain.
+    /// a picture of both faces: beside the lower one, clear of it.
     pub fn opening(&self, broken: &Scene, roles: &[NodeRole]) -> DAffine3 {
-        let Frame {
-            origin, tangent, ..
-        } = self.frame();
-        let [low, high] = self.range;
-        if self.long_side.is_some() {
-            let away = FLAT_DISTANCE.0 * (high - low) + FLAT_DISTANCE.1 * self.stem.radius;
-            return DAffine3::from_translation(tangent * away);
-        }
+        let origin = self.frame().origin;
         let lying = self.lying();
         let turn = DAffine3::from_axis_angle(lying.up, lying.turn);
         let turned = DAffine3::from_translation(origin + lying.aside)

@@ -212,7 +212,7 @@ impl<'a> StemSections<'a> {
     /// The rings of a section with this outline, about the stem's pith, or the centroid where the pith lies outside.
     fn field(&self, outline: &Outline, length: f64) -> RingField {
         let scale = self.stem.grain.scale(length);
-        let pith = self.stem.rings.pith() * scale;
+        let pith = self.stem.grain.to_section(self.stem.rings.pith(), length);
         if self.stem.kind.is_sawn() {
             let reach = outline
                 .points()

@@ -14,7 +14,7 @@ use super::surface::Surface;
 use super::taper::taper;
 use super::tube::Tube;
 use super::valid::{long_borders, valid_size};
-use super::{GrainSpace, StemIdentity, StemLocation};
+use super::{GrainSpace, SlopeOfGrain, StemIdentity, StemLocation};
 use crate::polygon;
 use crate::polygon::area_and_centroid;
 use crate::rings::{PITH_OFFSET_RMS, RingField, estimate_pith};
@@ -350,6 +350,14 @@ impl Search<'_> {
             .unwrap_or((0.0, length));
         let grain = GrainSpace::new(body.axis.clone(), taper(body, run, location, here.area));
         let pith = self.pith(body, &grain, &here, notes);
+        let slope = self.slope_of_grain(body, location, pith);
+        let grain = grain.with_slope(slope);
+        let pith = pith
+            - match self.options.pith {
+                Some(PithPosition::World(p)) => grain.offset(grain.axis().length_at(p)),
+                // Half-way along the stem, so that rings are the same wherever it breaks.
+                Some(PithPosition::Section(_)) | None => grain.offset(0.5 * length),
+            };
         let mut sections: Vec<CrossSection> = body
             .stations
             .iter()
@@ -359,10 +367,9 @@ impl Search<'_> {
         let k = sections.partition_point(|s| s.length < location);
         sections.insert(k, here.clone());
         let reach = |s: &CrossSection| {
-            let scale = grain.scale(s.length);
             s.contour
                 .iter()
-                .map(|p| (*p / scale).distance(pith))
+                .map(|p| grain.from_section(*p, s.length).distance(pith))
                 .fold(0.0, f64::max)
         };
         let extent = sections
@@ -400,7 +407,18 @@ impl Search<'_> {
         }
     }
 
-    /// The pith in the section of the break, m.
+    /// How the grain of sawn wood slopes: away from the pith, so that wide faces cut through rings.
+    fn slope_of_grain(&self, body: &Body, location: f64, pith: DVec2) -> Option<SlopeOfGrain> {
+        let slope = self.options.slope_of_grain;
+        (body.kind.is_sawn() && slope > 0.0).then(|| SlopeOfGrain {
+            direction: (-pith).try_normalize().unwrap_or(DVec2::Y),
+            slope,
+            reference: location,
+            seed: self.choice.identity.hash(),
+        })
+    }
+
+    /// The pith in the section of the break, m, as if grain ran along the axis.
     fn pith(
         &self,
         body: &Body,

@@ -115,7 +115,8 @@ impl LayeredGrain {
                 break;
             }
             slope = (1.0 - cosine * cosine).max(0.0).sqrt();
-            let sample = self.project(f.origin);
+            let aside = stem.grain.offset(length);
+            let sample = self.project(f.origin + f.x * aside.x + f.y * aside.y);
             last = sample.length;
             samples.push(sample);
         }

@@ -36,7 +36,7 @@ mod valid;
 pub use axis::{Axis, Frame};
 pub use error::StemError;
 pub use find::{CarriedShell, FoundStem, find_stem, find_stem_along};
-pub use grain::{GrainSpace, TaperPoint};
+pub use grain::{GrainSpace, SlopeOfGrain, TaperPoint};
 pub use identity::StemIdentity;
 pub use layered::LayeredGrain;
 pub use left_out::{LeftOut, Limb, find_left_out};

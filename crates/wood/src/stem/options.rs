@@ -11,7 +11,8 @@ use greenstick_schema::{Unit, choice, number, parameters, text, text_field};
 pub enum PithPosition {
     /// A point in the world, m; taken along the grain to the section of the break.
     World(DVec3),
-    /// In the section of the break, m, from the axis along the frame's x and y.
+    /// In the section of the break, m, from the axis along the frame's x and y; of sawn wood, whose grain slopes, in the section
+    /// half-way along it.
     Section(DVec2),
 }
 
@@ -62,7 +63,8 @@ parameters! {
     /// What is known of a stem beforehand.
     pub struct StemOptions {
         "What it is", "stem" {
-            /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle; "auto" estimates it.
+            /// Pith of the stem: x,y,z in the world, or x,y in the section from its middle (of sawn wood, half-way along it); "auto"
+            /// estimates it.
             pith: Option<PithPosition> = None, text(PITH).auto();
             /// What the stem is; "auto" tells boards from round stems by their section. A round one has bark, unless it is
             /// straight, of one thickness and without a texture: then it is a dowel, or a pole where it is thicker than 6 cm.
@@ -72,6 +74,9 @@ parameters! {
             /// a few rings decide it.
             eccentricity_onset: Option<f64> = None,
                 number(Unit::Fraction, *ONSET_RANGE.start(), *ONSET_RANGE.end()).auto();
+            /// Slope of grain of sawn wood: how far its fibres run across it per length, on average, with waves about that. 0 is
+            /// straight-grained. Flat-sawn faces show it as arches (cathedral figure). That of a round stem follows its bark.
+            slope_of_grain: f64 = 0.02, number(Unit::Fraction, 0.0, 0.1);
         }
     }
 }

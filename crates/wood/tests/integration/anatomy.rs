@@ -176,6 +176,7 @@ fn both_sides_of_a_slot_are_wood() {
         "0.9",
         StemOptions {
             kind,
+            slope_of_grain: 0.0,
             ..StemOptions::default()
         },
     );

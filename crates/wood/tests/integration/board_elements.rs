@@ -68,22 +68,33 @@ fn with_hole(hole: [f64; 2]) -> Mesh {
     mesh
 }
 
+/// A board whose grain is straight.
 fn find(mesh: &Mesh) -> FoundStem {
+    find_sloped(mesh, 0.0)
+}
+
+fn find_sloped(mesh: &Mesh, slope_of_grain: f64) -> FoundStem {
     let meshes = std::slice::from_ref(mesh);
-    let options = StemOptions::default();
+    let options = StemOptions {
+        slope_of_grain,
+        ..StemOptions::default()
+    };
     let found = find_stem(meshes, &"0.3".parse().unwrap(), &options, &Context::quiet()).unwrap();
     assert_eq!(found.stem.kind, StemKind::Board);
     found
 }
 
 fn divided(mesh: &Mesh, edge: Option<f64>) -> StemElements {
-    let found = find(mesh);
+    divide(&find(mesh), mesh, edge)
+}
+
+fn divide(found: &FoundStem, mesh: &Mesh, edge: Option<f64>) -> StemElements {
     let options = AnatomyOptions {
         resolution: 64,
         ..AnatomyOptions::default()
     };
     let (wood, quiet) = (WoodAppearance::softwood(), Context::quiet());
-    let anatomy = Anatomy::new(&found, mesh, &options, wood, &quiet).unwrap();
+    let anatomy = Anatomy::new(found, mesh, &options, wood, &quiet).unwrap();
     StemElements::new(&anatomy, edge, &quiet).unwrap()
 }
 
@@ -208,6 +219,27 @@ fn hexahedra_fill_a_board_to_its_corners() {
             "{element:?}"
         );
     }
+}
+
+#[test]
+fn elements_have_the_direction_of_sloping_grain() {
+    let [length, width, thickness] = SIZE;
+    let mesh = turned(board(length, width, thickness));
+    let found = find_sloped(&mesh, 0.05);
+    let stem = divide(&found, &mesh, Some(0.25 * thickness));
+    let grain = &found.stem.grain;
+    let along = grain.axis().frame(0.5 * length).tangent;
+    let mut most: f64 = 0.0;
+    for element in &stem.elements {
+        let corners = element.corners.iter().map(|&c| stem.nodes[c as usize]);
+        let place = grain.to_grain(corners.sum::<DVec3>() / 8.0);
+        let fibre = |s: f64| grain.to_world(place.truncate().extend(s));
+        let direction = (fibre(place.z + 1e-4) - fibre(place.z - 1e-4)).normalize();
+        let off = element.axes[0].angle_between(direction);
+        assert!(off < 2e-3, "{off}");
+        most = most.max(element.axes[0].angle_between(along));
+    }
+    assert!(most > 0.03, "{most}");
 }
 
 #[test]

@@ -388,8 +388,15 @@ fn boards_are_known_by_their_sections() {
     );
     let pith = stem.rings.pith();
     assert!(pith.x.abs() < 1e-9 && (pith.y.abs() - 0.15).abs() < 1e-9);
-    let ring = |x: f64, y: f64| stem.rings.address(glam::DVec2::new(x, y)).0;
-    assert!((ring(0.1, 0.015) - 1.0).abs() < 1e-9 && ring(0.0, -0.015) < ring(0.0, 0.015));
+    // No place of it, at any length, is farther out than the outermost ring, and one is there.
+    let ring = |x: f64, y: f64, s: f64| {
+        let fibre = stem.grain.from_section(glam::DVec2::new(x, y), s);
+        stem.rings.address(fibre).0
+    };
+    let outermost = (0..=90).map(|k| ring(0.1, 0.015, 0.01 * f64::from(k)));
+    let outermost = outermost.fold(0.0, f64::max);
+    assert!((outermost - 1.0).abs() < 2e-3, "{outermost}");
+    assert!(ring(0.0, -0.015, 0.4) < ring(0.0, 0.015, 0.4));
     assert_eq!(
         at(&[cylinder(0.03, 0.9, 24)], "0.5").unwrap().stem.kind,
         StemKind::Round

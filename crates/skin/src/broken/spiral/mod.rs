@@ -263,7 +263,7 @@ impl<'a> Face<'a> {
         context: &Context,
     ) -> Result<(SpiralRepair, Vec<u32>), Cancelled> {
         let mut done = SpiralRepair::default();
-        self.merge_equal_positions();
+        self.merge_equal_positions(context)?;
         self.bisect_chords(&mut done);
         let mut pairs = self.crossing(layers, context)?;
         done.crossed = pairs.len();
@@ -476,7 +476,7 @@ impl<'a> Face<'a> {
     }
 
     /// Collapses edges whose ends files hold at one position: a vertex that is moved would part from the others there.
-    fn merge_equal_positions(&mut self) {
+    fn merge_equal_positions(&mut self, context: &Context) -> Result<(), Cancelled> {
         let has_equal = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| self.positions[v as usize]);
             a == b || b == c || c == a
@@ -488,7 +488,8 @@ impl<'a> Face<'a> {
         let cap = std::mem::take(&mut self.cut.cap);
         let mut collapser = EdgeCollapser::new(self.positions.clone(), cap);
         let is_fixed = |v: u32| v < self.rim;
-        collapser.collapse_edges(&short, 0.0, &is_fixed, &mut Collapsed::default());
+        let mut done = Collapsed::default();
+        collapser.collapse_edges(&short, 0.0, &is_fixed, &mut done, context)?;
         let kept: Vec<bool> = (0..collapser.triangles.len())
             .map(|t| !collapser.is_collapsed(t))
             .collect();
@@ -507,6 +508,7 @@ impl<'a> Face<'a> {
             .filter(|&t| retain(t))
             .map(|t| collapser.triangles[t])
             .collect();
+        Ok(())
     }
 
     /// Takes over the triangles of `bisector`, in the order of those they are parts of.
