@@ -2,6 +2,7 @@
 
 mod anatomy;
 mod board_elements;
+mod boards;
 mod grain;
 mod looks;
 mod mensuration;
