@@ -79,10 +79,11 @@ async function shot(name) {
   await page.screenshot({ path: join(folder, `${name}.png`), timeout: PATIENCE });
 }
 
-/** Number of pixels of the frame around a message about something that failed. */
-async function message_pixels() {
+/** Number of pixels that a condition of their red `r`, green `g` and blue `b` holds for. */
+async function pixels_where(condition) {
   const png = (await page.screenshot({ timeout: PATIENCE })).toString('base64');
-  return page.evaluate(async (png) => {
+  return page.evaluate(async ([png, condition]) => {
+    const holds = new Function('r', 'g', 'b', `return ${condition}`);
     const bytes = Uint8Array.from(atob(png), (c) => c.charCodeAt(0));
     const image = await createImageBitmap(new Blob([bytes], { type: 'image/png' }));
     const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
@@ -90,12 +91,14 @@ async function message_pixels() {
     const { data } = context.getImageData(0, 0, image.width, image.height);
     let count = 0;
     for (let i = 0; i < data.length; i += 4) {
-      const off = Math.abs(data[i] - 214) + Math.abs(data[i + 1] - 78) + Math.abs(data[i + 2] - 60);
-      if (off < 40) count += 1;
+      if (holds(data[i], data[i + 1], data[i + 2])) count += 1;
     }
     return count;
-  }, png);
+  }, [png, condition]);
 }
+
+/** Number of pixels of the frame around a message about something that failed. */
+const message_pixels = () => pixels_where('Math.abs(r - 214) + Math.abs(g - 78) + Math.abs(b - 60) < 40');
 
 async function drop(name, bytes) {
   await page.evaluate(
@@ -226,6 +229,21 @@ const quiet = await message_pixels();
 await drop('bad.glb', 'no mesh');
 await wait('a message about a bad file', async () => (await message_pixels()) > quiet + 200);
 await shot('bad');
+
+// A photograph, here one of nothing but violet, lies over the picture.
+const violet_pixels = () => pixels_where('r > g + 40 && b > g + 40');
+check('that nothing is violet', (await violet_pixels()) < 1000);
+const photograph = await page.evaluate(async () => {
+  const canvas = new OffscreenCanvas(300, 200);
+  const context = canvas.getContext('2d');
+  context.fillStyle = 'rgb(220, 0, 240)';
+  context.fillRect(0, 0, 300, 200);
+  const blob = await canvas.convertToBlob({ type: 'image/png' });
+  return Array.from(new Uint8Array(await blob.arrayBuffer()));
+});
+await drop('photograph.png', Uint8Array.from(photograph));
+await wait('a photograph over the picture', async () => (await violet_pixels()) > 20000);
+await shot('photograph');
 
 // A mesh of one's own, by the settings as they come, and by other seeds.
 await page.goto('about:blank');

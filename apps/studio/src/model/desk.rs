@@ -4,9 +4,11 @@ use super::engine::{Early, Engine, Failure, Haste, Job, Shown, export, unbroken}
 use super::held::{HeldFile, last_name, main_name, read_input, read_project};
 use super::input::{Input, Seen};
 use super::meshes::DrawnScene;
+use super::photograph::{PICTURE_SIDE, reduced};
 use greenstick::RequestFile;
 use greenstick::files::encode;
 use greenstick::formats::LengthUnit;
+use greenstick::formats::photograph::{Photograph, read_photograph};
 use greenstick::geometry::Context;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -39,6 +41,8 @@ pub enum Ask {
         /// The unit of length in them.
         unit: Option<String>,
     },
+    /// The photograph that comes along.
+    Picture,
     /// The pieces of the files that come along, or of the built-in branch without any, as files.
     Export {
         /// The request.
@@ -79,6 +83,8 @@ pub enum Answer {
     Shown(u64, Result<Option<Box<Shown>>, Failure>),
     /// What files are.
     Opened(Result<Box<OpenedFiles>, Failure>),
+    /// Width, height and colours, as of a [`Photograph`], of a photograph that is small enough to be shown.
+    Pictured(Result<(u32, u32, Vec<u8>), Failure>),
     /// The names of the pieces' files, which come along.
     Exported(Result<Vec<String>, Failure>),
 }
@@ -149,6 +155,7 @@ impl Desk {
                 let opened = open(&files, unit_of(unit.as_deref()));
                 Answer::Opened(opened.map(Box::new))
             }
+            Ask::Picture => Answer::Pictured(picture(&files)),
             Ask::Export { request, path } => match pieces(&files, &request, &path, context) {
                 Ok(pieces) => {
                     let names = pieces.iter().map(|p| p.name.clone()).collect();
@@ -210,6 +217,15 @@ fn open(files: &[HeldFile], unit: Option<LengthUnit>) -> Result<OpenedFiles, Fai
         missing: missing.map(str::to_owned),
         request: project.map(|p| p.to_toml()),
     })
+}
+
+fn picture(files: &[HeldFile]) -> Result<(u32, u32, Vec<u8>), Failure> {
+    let file = files.first();
+    let file = file.ok_or_else(|| Failure::new("there is no photograph"))?;
+    let whole = read_photograph(&file.bytes);
+    let whole = whole.map_err(|e| Failure::new(format!("{}: {e}", file.name)))?;
+    let Photograph { width, height, rgb } = reduced(&whole, PICTURE_SIDE);
+    Ok((width, height, rgb))
 }
 
 fn pieces(

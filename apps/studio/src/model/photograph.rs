@@ -66,6 +66,9 @@ impl Overlay {
     }
 }
 
+/// Most pixels of a photograph a side: what every card takes.
+pub const PICTURE_SIDE: u32 = 2048;
+
 /// A photograph with at most `side` pixels a side: blocks of pixels become their mean.
 pub fn reduced(photograph: &Photograph, side: u32) -> Photograph {
     let (width, height) = (photograph.width, photograph.height);

@@ -5,7 +5,7 @@ use super::working::{Wake, Working};
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
 use crate::model::engine::{Engine, Failure, Job, export};
 use crate::model::input::Input;
-use crate::model::photograph::reduced;
+use crate::model::photograph::{PICTURE_SIDE, reduced};
 use crate::model::project_file::ProjectFile;
 use crate::model::simulated::scenes;
 use crate::model::simulation::{Look, SceneEntry, SimulationJob, Source};
@@ -33,8 +33,6 @@ pub struct Native {
     folder: Option<PathBuf>,
 }
 
-/// Most pixels of a photograph a side: what every card takes.
-const PICTURE_SIDE: u32 = 2048;
 /// The scene of a run, and its frames.
 const SCENE_FILE: &str = "scene.toml";
 const FRAMES_FILE: &str = "frames.gsf";

@@ -77,7 +77,9 @@ impl Studio {
                 self.apply_settings(ctx);
             }
             Action::Save => self.save(),
-            Action::Open if !self.platform.has_folders() => self.platform.choose(),
+            Action::Open | Action::Photograph if !self.platform.has_folders() => {
+                self.platform.choose();
+            }
             Action::SaveScene if self.simulation.is_none() => {
                 self.said = "No scene is simulated.".to_owned();
             }

@@ -109,9 +109,7 @@ impl Studio {
             self.recent_menu(ui);
         }
         self.menu_item(ui, Action::BuiltIn);
-        if has_folders {
-            self.menu_item(ui, Action::Photograph);
-        }
+        self.menu_item(ui, Action::Photograph);
         if !self.platform.scenes().is_empty() {
             self.menu_item(ui, Action::Simulate);
             self.menu_item(ui, Action::Pull);

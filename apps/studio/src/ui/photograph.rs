@@ -48,7 +48,8 @@ impl Studio {
         picture: Result<Photograph, Failure>,
         now: f64,
     ) {
-        if self.photograph.asked.as_deref() != Some(path) {
+        // One that nobody asked for was dropped on a page.
+        if self.photograph.asked.as_ref().is_some_and(|p| p != path) {
             return;
         }
         self.photograph.asked = None;

@@ -66,6 +66,36 @@ fn a_picture_is_the_same_after_its_way_through_bytes() {
 }
 
 #[test]
+fn a_photograph_comes_back_small_enough_to_be_shown() {
+    // Wider than any card takes: every two pixels become one.
+    let (width, height) = (2500, 3);
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    let mut writer = encoder.write_header().unwrap();
+    let pixels: Vec<u8> = (0..width * height).flat_map(|_| [200, 100, 50]).collect();
+    writer.write_image_data(&pixels).unwrap();
+    writer.finish().unwrap();
+    let read = |bytes: Vec<u8>| {
+        let name = "branch.png".to_owned();
+        let files = vec![HeldFile { name, bytes }];
+        match ask(&mut Desk::default(), &Ask::Picture, files).0 {
+            Some(Answer::Pictured(picture)) => picture,
+            other => panic!("{other:?}"),
+        }
+    };
+    let (width, height, rgb) = read(bytes).unwrap();
+    assert_eq!((width, height), (1250, 2));
+    assert!(rgb.chunks(3).all(|c| c == [200, 100, 50]));
+    let failure = read(b"no picture".to_vec()).unwrap_err();
+    assert!(
+        failure.message.starts_with("branch.png: "),
+        "{}",
+        failure.message
+    );
+}
+
+#[test]
 fn a_file_that_is_held_is_broken_until_another_is() {
     let [tree, numbers] =
         [".gltf", ".bin"].map(|e| test_file(&format!("quaternius_DeadTree_1{e}")));

@@ -13,10 +13,12 @@ use crate::model::engine::{Failure, Job};
 use crate::model::held::is_project;
 use crate::model::input::Input;
 use crate::model::link::{link, read_link};
+use crate::model::photograph::is_picture;
 use crate::model::project_file::ProjectFile;
 use crate::model::units::ShownUnit;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use greenstick::formats::LengthUnit;
+use greenstick::formats::photograph::Photograph;
 use helper::Helper;
 use js_sys::Array;
 use news::{Inbox, JsFile, News, Wake};
@@ -31,6 +33,8 @@ const PATIENCE: Duration = Duration::from_millis(1500);
 enum Filing {
     /// Finds out what these files are.
     Open(Vec<JsFile>),
+    /// Reads a photograph of this name.
+    Picture(String),
     /// Makes the pieces, of this path.
     Export(String),
 }
@@ -54,6 +58,8 @@ pub struct Web {
     wanted: Option<(u64, Job)>,
     files: Option<(Helper, Filing)>,
     held: Held,
+    /// The photograph that came last.
+    picture: Option<JsFile>,
     /// A request that waits for the file it is about.
     waiting: Option<ProjectFile>,
 }
@@ -82,6 +88,7 @@ impl Web {
             wanted: None,
             files: None,
             held: Held::default(),
+            picture: None,
             waiting: None,
         }
     }
@@ -130,6 +137,14 @@ impl Web {
         self.files = Some((helper, filing));
     }
 
+    /// Starts to read the photograph that came last.
+    fn read_picture(&mut self) {
+        if let Some(file) = self.picture.clone() {
+            let filing = Filing::Picture(file.name.clone());
+            self.start(&Ask::Picture, &[file], filing);
+        }
+    }
+
     fn news(&mut self) -> Option<News> {
         self.inbox.borrow_mut().pop_front()
     }
@@ -145,6 +160,11 @@ impl Web {
                 }
             }
             News::Ended(from, error) => self.ended(from, &error),
+            // A picture that comes alone is a photograph; with others it may be a texture.
+            News::Files(mut files) if files.len() == 1 && is_picture(&files[0].name) => {
+                self.picture = files.pop();
+                self.read_picture();
+            }
             News::Files(files) => {
                 let unit: Option<String> = None;
                 self.start(&Ask::Open { unit }, &files.clone(), Filing::Open(files));
@@ -179,7 +199,7 @@ impl Web {
                     self.showing = None;
                     self.done.push_back(Done::Shown(number, shown));
                 }
-                Answer::Opened(_) | Answer::Exported(_) => {}
+                Answer::Opened(_) | Answer::Pictured(_) | Answer::Exported(_) => {}
             }
             return;
         }
@@ -193,6 +213,13 @@ impl Web {
             Answer::Opened(opened) => {
                 if let Some((_, Filing::Open(files))) = self.files.take() {
                     self.opened(files, opened.map(|o| *o));
+                }
+            }
+            Answer::Pictured(picture) => {
+                if let Some((_, Filing::Picture(name))) = self.files.take() {
+                    let picture =
+                        picture.map(|(width, height, rgb)| Photograph { width, height, rgb });
+                    self.done.push_back(Done::Pictured(name, picture));
                 }
             }
             Answer::Exported(names) => {
@@ -305,6 +332,7 @@ impl Filing {
                 let name = files.into_iter().next().map_or(String::new(), |f| f.name);
                 Done::Opened(name, Err(failure))
             }
+            Filing::Picture(name) => Done::Pictured(name, Err(failure)),
             Filing::Export(path) => Done::Exported(path, Err(failure)),
         }
     }
@@ -373,8 +401,12 @@ impl Platform for Web {
     }
 
     fn open_picture(&mut self, path: &str) {
+        if self.picture.as_ref().is_some_and(|p| p.name == path) {
+            return self.read_picture();
+        }
         let failure = Failure::new(format!(
-            "{path}: a page shows no photographs; this one stays part of the project"
+            "This is matched to the photograph {path}, which is not part of it: open it (File, Photograph…, or drop it here), and it lies as \
+             it did."
         ));
         self.done
             .push_back(Done::Pictured(path.to_owned(), Err(failure)));
