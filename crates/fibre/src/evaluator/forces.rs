@@ -1,13 +1,16 @@
 //! Forces of whole bundles, and the linearised bonds that solvers multiply with.
 
 use super::bond_filter::BondFilter;
+use crate::energy::Energies;
 use crate::energy::bend_twist::{self, BendTwistGradient, EdgeFrame};
+use crate::energy::bond::BondSpring;
 use crate::failure::criteria::BondCriterion;
 use crate::forces::Forces;
 use crate::parallel::join;
 use crate::rod_bundle::RodBundle;
 use crate::simd::SimdLevel;
 use crate::simd::bond_gradients::{BondGradient, GradientBatch};
+use crate::simd::bond_strains::StrainBatch;
 use crate::simd::bonds::BondTable;
 use crate::simd::lanes::{PaddedPair, PaddedVec3, WIDTH};
 use crate::simd::rods::{
@@ -143,6 +146,8 @@ pub struct ForceEvaluator {
     frames: Vec<EdgeFrame>,
     /// The linearised bonds, after [`ForceEvaluator::linearise_bonds`].
     gradients: Vec<GradientBatch>,
+    /// Buffer: openings and slips of bonds.
+    strains: Vec<StrainBatch>,
     filter: BondFilter,
 }
 
@@ -170,6 +175,7 @@ impl ForceEvaluator {
             bend_twist: Vec::new(),
             frames: Vec::new(),
             gradients: Vec::new(),
+            strains: Vec::new(),
             filter: BondFilter::default(),
         };
         evaluator.derive(bundle);
@@ -245,6 +251,27 @@ impl ForceEvaluator {
                 }
             });
         });
+    }
+
+    /// Returns the energies of a state, with the bits of [`crate::energy::energies`].
+    pub(crate) fn energies(&mut self, bundle: &RodBundle, state: &State) -> Energies {
+        self.refresh(bundle);
+        let mut sum = Energies::of_rods(bundle, state);
+        if self.bonds.is_empty() {
+            return sum;
+        }
+        self.copy_positions(state);
+        (self.strains).resize(self.bonds.len() / WIDTH, StrainBatch::ZERO);
+        self.bonds
+            .strains(self.level, &self.position, &mut self.strains);
+        for bond in 0..bundle.bonds.len() {
+            let strain = self.bonds.strain(&self.strains, bond);
+            // The table may have the damage of a trial.
+            let (transverse, shear) = BondSpring::new(bundle, bond).energy(strain);
+            sum.bond_transverse += transverse;
+            sum.bond_shear += shear;
+        }
+        sum
     }
 
     /// Takes a step of all vertices from `state` into `velocity` and `position`, with all forces but those in material frames.

@@ -249,6 +249,11 @@ impl BondTable {
         Some(self.bond[entry]).filter(|b| *b != PADDING)
     }
 
+    /// Returns the entry of one of the bundle's bonds.
+    pub(super) fn entry(&self, bond: usize) -> usize {
+        self.entry[bond] as usize
+    }
+
     /// Sets the damage of one of the bundle's bonds.
     pub(crate) fn set_damage(&mut self, bundle: &RodBundle, bond: u32, damage: f64) {
         let entry = self.entry[bond as usize] as usize;

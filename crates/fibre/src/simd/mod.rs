@@ -7,7 +7,7 @@
 //! | `rods` | stretch and bending of rods, and the explicit step |
 //! | `bonds` | forces of bonds |
 //! | `bond_gradients`, `same_rod_blocks` | bonds linearised about a state, and their blocks between vertices of one rod |
-//! | `bond_demands` | demand over strength of bonds |
+//! | `bond_demands`, `bond_strains` | demand over strength of bonds, and their openings and slips |
 //! | `banded_cholesky` | Cholesky factors of bands, eight side by side |
 //! | `rank_update` | weighted sums of rows in blocks of the coarse matrix |
 #![allow(unsafe_code)]
@@ -15,6 +15,7 @@
 pub(crate) mod banded_cholesky;
 pub(crate) mod bond_demands;
 pub(crate) mod bond_gradients;
+pub(crate) mod bond_strains;
 pub(crate) mod bonds;
 pub(crate) mod dispatch;
 pub(crate) mod lanes;
