@@ -2,8 +2,9 @@
 
 use super::bonds::{BondBatch, BondTable};
 use super::dispatch::for_each_level;
-use super::lanes::{Lanes, PaddedVec3, WIDTH, difference, dot};
+use super::lanes::{Lanes, WIDTH, difference, dot};
 use super::level::SimdLevel;
+use super::places::Places;
 use crate::energy::bond::BondStrain;
 
 /// Openings and slips of eight bonds, m.
@@ -23,15 +24,11 @@ impl StrainBatch {
 
 impl BondTable {
     /// Sets `strains`, one entry for each batch.
-    pub(crate) fn strains(
-        &self,
-        level: SimdLevel,
-        position: &[PaddedVec3],
-        strains: &mut [StrainBatch],
-    ) {
-        assert!(position.len() == self.vertices && strains.len() == self.batches.len());
+    pub(crate) fn strains(&self, level: SimdLevel, places: &Places, strains: &mut [StrainBatch]) {
+        self.check_places(places);
+        assert!(strains.len() == self.batches.len());
         // Safety: `BondTable::new` makes vertices, edges and the second vertices of edges less than the number of positions.
-        unsafe { strains_at(level, position, &self.batches, strains) }
+        unsafe { strains_at(level, places, &self.batches, strains) }
     }
 
     /// Returns that of one of the bundle's bonds.
@@ -47,17 +44,17 @@ impl BondTable {
 
 #[inline(always)]
 unsafe fn strains_of<L: Lanes>(
-    position: &[PaddedVec3],
+    places: &Places,
     batches: &[BondBatch],
     strains: &mut [StrainBatch],
 ) {
     unsafe {
-        let position = position.as_ptr();
+        let (position, edges) = (places.position.as_ptr(), places.edge.as_ptr());
         for (batch, out) in batches.iter().zip(strains) {
             let (vertex, edge) = (batch.vertex.as_ptr(), batch.edge.as_ptr());
             let t = L::load(batch.t.as_ptr());
             let (x, y0) = (L::gather(position, vertex), L::gather(position, edge));
-            let e = difference(L::gather(position.add(1), edge), y0);
+            let e = L::gather(edges, edge);
             let c = [
                 y0[0].add(e[0].mul(t)),
                 y0[1].add(e[1].mul(t)),
@@ -77,5 +74,5 @@ unsafe fn strains_of<L: Lanes>(
 
 for_each_level! {
     /// [`strains_of`] at a level.
-    strains_at = strains_of(position: &[PaddedVec3], batches: &[BondBatch], strains: &mut [StrainBatch])
+    strains_at = strains_of(places: &Places, batches: &[BondBatch], strains: &mut [StrainBatch])
 }

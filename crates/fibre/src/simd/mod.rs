@@ -5,7 +5,7 @@
 //! |---|---|
 //! | `lanes`, `x86`, `level`, `dispatch` | eight numbers at once, and functions compiled for several instruction sets |
 //! | `rods` | stretch and bending of rods, and the explicit step |
-//! | `bonds` | forces of bonds |
+//! | `bonds`, `places` | forces of bonds, and where vertices and edges are |
 //! | `bond_gradients`, `same_rod_blocks` | bonds linearised about a state, and their blocks between vertices of one rod |
 //! | `bond_demands`, `bond_strains` | demand over strength of bonds, and their openings and slips |
 //! | `banded_cholesky` | Cholesky factors of bands, eight side by side |
@@ -20,6 +20,7 @@ pub(crate) mod bonds;
 pub(crate) mod dispatch;
 pub(crate) mod lanes;
 pub(crate) mod level;
+pub(crate) mod places;
 pub(crate) mod rank_update;
 pub(crate) mod rods;
 pub(crate) mod same_rod_blocks;
