@@ -1,8 +1,8 @@
 //! The thesis's stick (15 cm, 100 rods of 30 edges) of white ash at real stiffness, both ends turned for a second, with
 //! the interactive solver: computing time against the time shown. `RAYON_NUM_THREADS` sets the number of threads.
 //!
-//! `cargo run --release -p greenstick-fibre --example interactive [-- DEGREES [STEP]]`: by 2.5° at each end nothing breaks or
-//! yields; at some 10° it breaks.
+//! `cargo run --release -p greenstick-fibre --example interactive [-- DEGREES [STEP]]`: by 2.5° at each end nothing breaks, by
+//! 40° it is broken.
 
 use glam::DQuat;
 use greenstick_fibre::placement::fill_stem;
