@@ -4,8 +4,8 @@
 
 use glam::DVec3;
 use greenstick_fibre::{
-    Bond, Explicit, ForceEvaluator, Forces, NoContacts, Rod, RodBundle, RodMaterial, SimdLevel,
-    Solver, State, World,
+    Bond, BondCriterion, Explicit, ForceEvaluator, Forces, NoContacts, Rod, RodBundle, RodMaterial,
+    SimdLevel, Solver, State, World,
 };
 use greenstick_geometry::Context;
 
@@ -125,14 +125,21 @@ fn forces(made: &RodBundle, level: SimdLevel, threads: usize) -> f64 {
     })
 }
 
-/// Returns the seconds of an explicit step, from runs of different lengths, which excludes what a run does once.
-fn steps(made: &RodBundle, threads: usize) -> f64 {
+/// Returns the seconds of an explicit step, from runs of different lengths, which excludes what a run does once. Where `cohesive`,
+/// bonds are checked for softening as often as in the scenes.
+fn steps(made: &RodBundle, threads: usize, cohesive: bool) -> f64 {
     in_threads(threads, || {
         let mut world = World::new(made.clone());
+        if cohesive {
+            world.failure.bonds = BondCriterion::Cohesive;
+            world.failure.check_interval = 8;
+        }
         let mut solver = Explicit::new(None);
         let step = solver.step(&world, &Context::quiet()).unwrap();
         let size = made.vertices() + made.bonds.len();
         let count = (4e5 / size as f64).clamp(4.0, 100.0).ceil();
+        // Whole numbers of checks.
+        let count = 8.0 * (count / 8.0).ceil();
         let mut run = |count: f64| {
             time(clock(threads), || {
                 solver
@@ -248,7 +255,14 @@ fn main() {
                     forces(&made, level, t)
                 });
             }
-            print(format!("explicit steps, {what}"), &|t| steps(&made, t));
+            print(format!("explicit steps, {what}"), &|t| {
+                steps(&made, t, false)
+            });
+            if bonded {
+                print(format!("cohesive steps, {what}"), &|t| {
+                    steps(&made, t, true)
+                });
+            }
         }
     }
     if part.is_none_or(|p| "growth".contains(p.as_str())) {

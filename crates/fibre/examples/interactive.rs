@@ -1,7 +1,8 @@
-//! The thesis's stick (15 cm, 100 rods of 30 edges) of white ash at real stiffness, both ends turned until it breaks, with
+//! The thesis's stick (15 cm, 100 rods of 30 edges) of white ash at real stiffness, both ends turned for a second, with
 //! the interactive solver: computing time against the time shown. `RAYON_NUM_THREADS` sets the number of threads.
 //!
-//! `cargo run --release -p greenstick-fibre --example interactive [-- STEP]`
+//! `cargo run --release -p greenstick-fibre --example interactive [-- DEGREES [STEP]]`: by 2.5° at each end nothing breaks, by
+//! 40° it is broken.
 
 use glam::DQuat;
 use greenstick_fibre::placement::fill_stem;
@@ -16,7 +17,8 @@ use greenstick_wood::species::Species;
 use greenstick_wood::stem::{StemLocation, StemOptions, find_stem};
 use std::time::Instant;
 
-fn stick() -> Option<World> {
+/// Returns the stick, whose ends turn by `turned` radians in a second.
+fn stick(turned: f64) -> Option<World> {
     let ash = Species::find("white ash").ok()?;
     let wood = WoodMaterial::from_species(ash, 12.0, Fallback::Refuse).ok()?;
     let mesh = cylinder(5e-3, 0.15, 48);
@@ -55,7 +57,7 @@ fn stick() -> Option<World> {
     let across = along.any_orthonormal_vector();
     let keys = |turn: f64| {
         let frames = (0..=20).map(|k| {
-            let angle = 40f64.to_radians() * f64::from(k) / 20.0;
+            let angle = turned * f64::from(k) / 20.0;
             let arc = (high - low) * 0.94;
             // The chord of the arc is shorter than the stem.
             let nearer = if angle > 0.0 {
@@ -82,15 +84,16 @@ fn stick() -> Option<World> {
     world.failure = FailureCriteria {
         rods_break: true,
         rods_yield: true,
-        bonds: BondCriterion::Stress,
+        bonds: BondCriterion::Cohesive,
         ..FailureCriteria::default()
     };
     Some(world)
 }
 
 fn main() {
-    let step = std::env::args().nth(1).and_then(|s| s.parse().ok());
-    let Some(mut world) = stick() else {
+    let number = |k: usize| std::env::args().nth(k).and_then(|s| s.parse::<f64>().ok());
+    let (degrees, step) = (number(1).unwrap_or(2.5), number(2));
+    let Some(mut world) = stick(degrees.to_radians()) else {
         eprintln!("the stick cannot be built");
         return;
     };

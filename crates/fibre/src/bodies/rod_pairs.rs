@@ -6,7 +6,7 @@
 
 use super::contact_point::{ContactPoint, SLOP, Side, StepMotion};
 use super::displacement::moved_squared;
-use super::segments::{Bounds, Segment, are_far_apart, closest_parameters, distance};
+use super::segments::{Bounds, PackedBounds, Segment, are_far_apart, closest_parameters, distance};
 use crate::failure::crumbs::is_crumb;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
@@ -31,6 +31,8 @@ pub(super) struct RodPairs {
     cells: Vec<(u64, u32)>,
     /// Per edge: the box about all that it may touch before the next search.
     boxes: Vec<Bounds>,
+    /// The same in the order of `cells`.
+    packed: PackedBounds,
     /// Positions at the last search, and the grid then.
     position: Vectors,
     grid: Grid,
@@ -266,6 +268,9 @@ impl RodPairs {
             // Both edges of a pair have half the margin.
             self.boxes[j] = Bounds::about(edge, radius[j] + 0.5 * margin);
         }
+        self.packed.clear();
+        let boxes = self.cells.iter().map(|(_, j)| &self.boxes[*j as usize]);
+        boxes.for_each(|b| self.packed.push(b));
     }
 
     /// Searches all pairs anew.
@@ -372,11 +377,9 @@ impl RodPairs {
                 let from = key([x - 1, y + dy, z + dz]);
                 let to = key([x + 1, y + dy, z + dz]);
                 let start = self.cells.partition_point(|c| c.0 < from);
-                for &(k, b) in &self.cells[start..] {
-                    if k > to {
-                        break;
-                    }
-                    let b = b as usize;
+                let end = start + self.cells[start..].partition_point(|c| c.0 <= to);
+                (self.packed).for_each_overlap(start..end, &self.boxes[a], |k| {
+                    let b = self.cells[k].1 as usize;
                     if wanted(b)
                         && (self.loose[a] || self.loose[b])
                         && !(self.crumb[a] || self.crumb[b])
@@ -385,7 +388,7 @@ impl RodPairs {
                         let (a, b) = (a.min(b), a.max(b));
                         pairs.extend(search.pair(&self.position, a, b));
                     }
-                }
+                });
             }
         }
     }

@@ -24,6 +24,29 @@ pub struct Energies {
 }
 
 impl Energies {
+    /// Returns the energies of a state without those of bonds.
+    pub(crate) fn of_rods(bundle: &RodBundle, state: &State) -> Self {
+        let mut sum = Energies {
+            kinetic: state.kinetic_energy(bundle),
+            ..Energies::default()
+        };
+        for i in 0..bundle.vertices() {
+            if bundle.is_edge(i) {
+                sum.stretch += rod::stretch(bundle, state, i).value;
+            }
+            if bundle.bend[i] > 0.0 || bundle.twist[i] > 0.0 {
+                if bundle.twisting {
+                    let (bend, twist) = bend_twist::energy(bundle, state, i);
+                    sum.bend += bend;
+                    sum.twist += twist;
+                } else {
+                    sum.bend += rod::bend_energy(bundle, state, i);
+                }
+            }
+        }
+        sum
+    }
+
     /// Returns all stored energy, J.
     pub fn potential(&self) -> f64 {
         self.stretch + self.bend + self.twist + self.bond_transverse + self.bond_shear
@@ -37,24 +60,7 @@ impl Energies {
 
 /// Returns the energies of a state. The frames of `state` must belong to its positions ([`State::transport_frames`]).
 pub fn energies(bundle: &RodBundle, state: &State) -> Energies {
-    let mut sum = Energies {
-        kinetic: state.kinetic_energy(bundle),
-        ..Energies::default()
-    };
-    for i in 0..bundle.vertices() {
-        if bundle.is_edge(i) {
-            sum.stretch += rod::stretch(bundle, state, i).value;
-        }
-        if bundle.bend[i] > 0.0 || bundle.twist[i] > 0.0 {
-            if bundle.twisting {
-                let (bend, twist) = bend_twist::energy(bundle, state, i);
-                sum.bend += bend;
-                sum.twist += twist;
-            } else {
-                sum.bend += rod::bend_energy(bundle, state, i);
-            }
-        }
-    }
+    let mut sum = Energies::of_rods(bundle, state);
     for b in 0..bundle.bonds.len() {
         let (transverse, shear) = bond::energy(bundle, state, b);
         sum.bond_transverse += transverse;

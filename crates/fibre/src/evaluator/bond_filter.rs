@@ -7,7 +7,8 @@ use crate::rod_bundle::RodBundle;
 use crate::simd::SimdLevel;
 use crate::simd::bond_demands::{DemandFactors, Demands};
 use crate::simd::bonds::BondTable;
-use crate::simd::lanes::{PaddedVec3, WIDTH};
+use crate::simd::lanes::WIDTH;
+use crate::simd::places::Places;
 
 /// Demand from which a bond is checked exactly: below 1 by far more than rounding.
 const SUSPICIOUS_DEMAND: f64 = 1.0 - 1e-6;
@@ -82,7 +83,7 @@ impl BondFilter {
         &mut self,
         table: &BondTable,
         level: SimdLevel,
-        position: &[PaddedVec3],
+        places: &Places,
         criterion: BondCriterion,
         found: &mut Vec<u32>,
     ) {
@@ -91,7 +92,7 @@ impl BondFilter {
             _ => 0.0,
         };
         let demands = &mut self.demands;
-        table.demands(level, position, &self.factors, in_compression, demands);
+        table.demands(level, places, &self.factors, in_compression, demands);
         for (k, eight) in demands.iter().enumerate() {
             // NaN must not pass unchecked.
             if eight.0.iter().all(|d| *d < SUSPICIOUS_DEMAND) {

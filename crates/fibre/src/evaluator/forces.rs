@@ -1,15 +1,19 @@
 //! Forces of whole bundles, and the linearised bonds that solvers multiply with.
 
 use super::bond_filter::BondFilter;
+use crate::energy::Energies;
 use crate::energy::bend_twist::{self, BendTwistGradient, EdgeFrame};
+use crate::energy::bond::BondSpring;
 use crate::failure::criteria::BondCriterion;
 use crate::forces::Forces;
 use crate::parallel::join;
 use crate::rod_bundle::RodBundle;
 use crate::simd::SimdLevel;
 use crate::simd::bond_gradients::{BondGradient, GradientBatch};
+use crate::simd::bond_strains::StrainBatch;
 use crate::simd::bonds::BondTable;
 use crate::simd::lanes::{PaddedPair, PaddedVec3, WIDTH};
+use crate::simd::places::Places;
 use crate::simd::rods::{
     self, BEFORE, BEHIND, BLOCK, Masses, RodInput, Scratch, StepInput, Stiffness,
 };
@@ -132,8 +136,8 @@ pub struct ForceEvaluator {
     stiffness: Vec<Stiffness>,
     masses: Vec<Masses>,
     bonds: BondTable,
-    /// Positions of vertices, padded, for bonds.
-    position: Vec<PaddedVec3>,
+    /// Where vertices and edges are, for bonds.
+    places: Places,
     /// Per entry of the table: force on the bond's vertex.
     bond_force: Vec<PaddedVec3>,
     /// Per edge: sums over its bonds of the forces on their vertices and on y₁.
@@ -143,6 +147,8 @@ pub struct ForceEvaluator {
     frames: Vec<EdgeFrame>,
     /// The linearised bonds, after [`ForceEvaluator::linearise_bonds`].
     gradients: Vec<GradientBatch>,
+    /// Buffer: openings and slips of bonds.
+    strains: Vec<StrainBatch>,
     filter: BondFilter,
 }
 
@@ -164,12 +170,13 @@ impl ForceEvaluator {
             stiffness: Vec::new(),
             masses: Vec::new(),
             bonds: BondTable::default(),
-            position: Vec::new(),
+            places: Places::default(),
             bond_force: Vec::new(),
             edge_force: Vec::new(),
             bend_twist: Vec::new(),
             frames: Vec::new(),
             gradients: Vec::new(),
+            strains: Vec::new(),
             filter: BondFilter::default(),
         };
         evaluator.derive(bundle);
@@ -209,7 +216,7 @@ impl ForceEvaluator {
         }
         self.bonds = BondTable::new(bundle);
         let bonded = if self.bonds.is_empty() { 0 } else { n };
-        self.position = vec![PaddedVec3([0.0; 4]); bonded];
+        self.places = Places::zeros(bonded);
         self.edge_force = vec![PaddedPair([0.0; 8]); bonded];
         self.bond_force = vec![PaddedVec3([0.0; 4]); self.bonds.len()];
         self.bend_twist = vec![BendTwistGradient::ZERO; if bundle.twisting { n } else { 0 }];
@@ -245,6 +252,27 @@ impl ForceEvaluator {
                 }
             });
         });
+    }
+
+    /// Returns the energies of a state, with the bits of [`crate::energy::energies`].
+    pub(crate) fn energies(&mut self, bundle: &RodBundle, state: &State) -> Energies {
+        self.refresh(bundle);
+        let mut sum = Energies::of_rods(bundle, state);
+        if self.bonds.is_empty() {
+            return sum;
+        }
+        self.places.set(&state.position);
+        (self.strains).resize(self.bonds.len() / WIDTH, StrainBatch::ZERO);
+        self.bonds
+            .strains(self.level, &self.places, &mut self.strains);
+        for bond in 0..bundle.bonds.len() {
+            let strain = self.bonds.strain(&self.strains, bond);
+            // The table may have the damage of a trial.
+            let (transverse, shear) = BondSpring::new(bundle, bond).energy(strain);
+            sum.bond_transverse += transverse;
+            sum.bond_shear += shear;
+        }
+        sum
     }
 
     /// Takes a step of all vertices from `state` into `velocity` and `position`, with all forces but those in material frames.
@@ -330,41 +358,15 @@ impl ForceEvaluator {
         }
     }
 
-    /// Copies positions into padded vectors.
-    fn copy_positions(&mut self, state: &State) {
-        let p = &state.position;
-        let copy = |(k, padded): (usize, &mut [PaddedVec3])| {
-            let range = k * VERTICES_PER_TASK..k * VERTICES_PER_TASK + padded.len();
-            let positions = p.x[range.clone()]
-                .iter()
-                .zip(&p.y[range.clone()])
-                .zip(&p.z[range]);
-            for (to, ((x, y), z)) in padded.iter_mut().zip(positions) {
-                to.0 = [*x, *y, *z, 0.0];
-            }
-        };
-        if rayon::current_num_threads() > 1 {
-            self.position
-                .par_chunks_mut(VERTICES_PER_TASK)
-                .enumerate()
-                .for_each(copy);
-        } else {
-            self.position
-                .chunks_mut(VERTICES_PER_TASK)
-                .enumerate()
-                .for_each(copy);
-        }
-    }
-
     /// Computes the forces of bonds.
     fn bond_pass(&mut self, state: &State) {
         if self.bonds.is_empty() {
             return;
         }
-        self.copy_positions(state);
+        self.places.set(&state.position);
         self.bonds.forces(
             self.level,
-            &self.position,
+            &self.places,
             &mut self.bond_force,
             &mut self.edge_force,
         );
@@ -440,18 +442,18 @@ impl ForceEvaluator {
             return;
         }
         self.filter.refresh(&self.bonds, bundle, criterion);
-        self.copy_positions(state);
+        self.places.set(&state.position);
         let (filter, level) = (&mut self.filter, self.level);
-        filter.suspects(&self.bonds, level, &self.position, criterion, found);
+        filter.suspects(&self.bonds, level, &self.places, criterion, found);
     }
 
     /// Linearises the bonds about a state.
     pub(crate) fn linearise_bonds(&mut self, state: &State) {
         (self.gradients).resize(self.bonds.len() / WIDTH, GradientBatch::ZERO);
         if !self.bonds.is_empty() {
-            self.copy_positions(state);
+            self.places.set(&state.position);
             let (level, gradients) = (self.level, &mut self.gradients);
-            self.bonds.linearise(level, &self.position, gradients);
+            self.bonds.linearise(level, &self.places, gradients);
         }
     }
 

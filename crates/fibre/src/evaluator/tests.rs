@@ -5,7 +5,7 @@ use super::ForceEvaluator;
 use crate::bonds::Bond;
 use crate::contact::NoContacts;
 use crate::energy::hessian::{ElementHessian, HessianKind};
-use crate::energy::{add_forces, bond};
+use crate::energy::{add_forces, bond, energies};
 use crate::forces::Forces;
 use crate::rod_bundle::{Rod, RodBundle, RodMaterial};
 use crate::simd::SimdLevel;
@@ -52,6 +52,23 @@ fn fast_forces_are_the_gradients_on_every_level() {
             }
             let same = first.get_or_insert_with(|| fast.clone());
             assert_eq!(*same, fast, "{level:?}");
+        }
+    }
+}
+
+#[test]
+fn fast_energies_have_the_bits_of_the_energies_on_every_level() {
+    for mut bundle in [four_rods(false), four_rods(true), grid(5, 11)] {
+        bundle.bonds.damage[1] = 0.3;
+        let mut state = shaken(&bundle, 5, 0.3);
+        state.plastic_strain[4] = -0.02;
+        let exact = energies(&bundle, &state);
+        assert!(exact.bond_transverse > 0.0 && exact.bond_shear > 0.0);
+        for level in LEVELS {
+            let mut evaluator = ForceEvaluator::with_level(&bundle, level);
+            // The damage of a trial is not that of the bundle.
+            evaluator.set_bond_damage(&bundle, 2, 0.7);
+            assert_eq!(evaluator.energies(&bundle, &state), exact, "{level:?}");
         }
     }
 }

@@ -17,6 +17,8 @@ pub(crate) mod breaking;
 pub(crate) mod cohesion;
 #[cfg(test)]
 mod cohesion_tests;
+#[cfg(test)]
+mod crack_band_tests;
 pub(crate) mod criteria;
 pub(crate) mod crumbs;
 #[cfg(test)]

@@ -4,8 +4,9 @@
 
 use super::bonds::{BondBatch, BondTable, vectors};
 use super::dispatch::for_each_level;
-use super::lanes::{Lanes, PaddedVec3, WIDTH};
+use super::lanes::{Lanes, WIDTH};
 use super::level::SimdLevel;
+use super::places::Places;
 use crate::parallel::join;
 
 /// Batches that one task checks.
@@ -36,16 +37,16 @@ impl BondTable {
     pub(crate) fn demands(
         &self,
         level: SimdLevel,
-        position: &[PaddedVec3],
+        places: &Places,
         factors: &[DemandFactors],
         in_compression: f64,
         demands: &mut [Demands],
     ) {
-        assert!(position.len() == self.vertices);
+        self.check_places(places);
         assert!(factors.len() == self.batches.len() && demands.len() == self.batches.len());
         demands_of_part(
             level,
-            position,
+            places,
             &self.batches,
             factors,
             in_compression,
@@ -56,7 +57,7 @@ impl BondTable {
 
 fn demands_of_part(
     level: SimdLevel,
-    position: &[PaddedVec3],
+    places: &Places,
     batches: &[BondBatch],
     factors: &[DemandFactors],
     in_compression: f64,
@@ -67,18 +68,18 @@ fn demands_of_part(
         let ((e0, e1), (l0, l1)) = (batches.split_at(middle), factors.split_at(middle));
         let (d0, d1) = demands.split_at_mut(middle);
         join(
-            || demands_of_part(level, position, e0, l0, in_compression, d0),
-            || demands_of_part(level, position, e1, l1, in_compression, d1),
+            || demands_of_part(level, places, e0, l0, in_compression, d0),
+            || demands_of_part(level, places, e1, l1, in_compression, d1),
         );
     } else {
         // Safety: `BondTable::new` makes vertices, edges and the second vertices of edges less than the number of positions.
-        unsafe { demands_at(level, position, batches, factors, in_compression, demands) }
+        unsafe { demands_at(level, places, batches, factors, in_compression, demands) }
     }
 }
 
 #[inline(always)]
 unsafe fn demands_of<L: Lanes>(
-    position: &[PaddedVec3],
+    places: &Places,
     batches: &[BondBatch],
     factors: &[DemandFactors],
     in_compression: f64,
@@ -87,7 +88,7 @@ unsafe fn demands_of<L: Lanes>(
     unsafe {
         let in_compression = L::splat(in_compression);
         for ((batch, factor), out) in batches.iter().zip(factors).zip(demands) {
-            let now = vectors::<L>(position.as_ptr(), batch);
+            let now = vectors::<L>(places, batch);
             let open = now.across.sub(L::load(batch.rest_opening.as_ptr()));
             let slip = now.along.sub(L::load(batch.rest_slip.as_ptr()));
             let opening = open.mul(open).mul(L::load(factor.opening.as_ptr()));
@@ -101,7 +102,7 @@ unsafe fn demands_of<L: Lanes>(
 for_each_level! {
     /// [`demands_of`] at a level.
     demands_at = demands_of(
-        position: &[PaddedVec3],
+        places: &Places,
         batches: &[BondBatch],
         factors: &[DemandFactors],
         in_compression: f64,

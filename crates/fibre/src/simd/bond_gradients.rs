@@ -10,6 +10,7 @@ use super::bonds::{BondBatch, BondTable, vectors};
 use super::dispatch::for_each_level;
 use super::lanes::{Lanes, PaddedPair, PaddedVec3, WIDTH, difference, dot};
 use super::level::SimdLevel;
+use super::places::Places;
 use crate::parallel::join;
 
 /// Batches that one task linearises.
@@ -55,11 +56,12 @@ impl BondTable {
     pub(crate) fn linearise(
         &self,
         level: SimdLevel,
-        position: &[PaddedVec3],
+        places: &Places,
         gradients: &mut [GradientBatch],
     ) {
-        assert!(position.len() == self.vertices && gradients.len() == self.batches.len());
-        linearise(level, position, &self.batches, gradients);
+        self.check_places(places);
+        assert!(gradients.len() == self.batches.len());
+        linearise(level, places, &self.batches, gradients);
     }
 
     /// Computes the restoring forces of linearised bonds to the displacement `x`, to be gathered as those of
@@ -114,7 +116,7 @@ impl BondTable {
 
 fn linearise(
     level: SimdLevel,
-    position: &[PaddedVec3],
+    places: &Places,
     batches: &[BondBatch],
     gradients: &mut [GradientBatch],
 ) {
@@ -122,24 +124,24 @@ fn linearise(
         let middle = batches.len() / 2;
         let ((e0, e1), (s0, s1)) = (batches.split_at(middle), gradients.split_at_mut(middle));
         join(
-            || linearise(level, position, e0, s0),
-            || linearise(level, position, e1, s1),
+            || linearise(level, places, e0, s0),
+            || linearise(level, places, e1, s1),
         );
     } else {
         // Safety: `BondTable::new` makes vertices, edges and the second vertices of edges less than the number of positions.
-        unsafe { gradients_at(level, position, batches, gradients) }
+        unsafe { gradients_at(level, places, batches, gradients) }
     }
 }
 
 #[inline(always)]
 unsafe fn gradients_of<L: Lanes>(
-    position: &[PaddedVec3],
+    places: &Places,
     batches: &[BondBatch],
     gradients: &mut [GradientBatch],
 ) {
     unsafe {
         for (batch, out) in batches.iter().zip(gradients) {
-            let now = vectors::<L>(position.as_ptr(), batch);
+            let now = vectors::<L>(places, batch);
             let open = now.across.sub(L::load(batch.rest_opening.as_ptr()));
             let across = L::load(batch.opening.as_ptr())
                 .where_positive(open, L::load(batch.closing.as_ptr()))
@@ -163,7 +165,7 @@ unsafe fn gradients_of<L: Lanes>(
 
 for_each_level! {
     /// [`gradients_of`] at a level.
-    gradients_at = gradients_of(position: &[PaddedVec3], batches: &[BondBatch], gradients: &mut [GradientBatch])
+    gradients_at = gradients_of(places: &Places, batches: &[BondBatch], gradients: &mut [GradientBatch])
 }
 
 #[inline(always)]

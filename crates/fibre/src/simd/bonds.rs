@@ -5,6 +5,7 @@
 use super::dispatch::for_each_level;
 use super::lanes::{Lanes, PaddedPair, PaddedVec3, WIDTH, difference, dot};
 use super::level::SimdLevel;
+use super::places::Places;
 use crate::energy::bond::BondSpring;
 use crate::parallel::join;
 use crate::rod_bundle::RodBundle;
@@ -191,17 +192,23 @@ impl BondTable {
     pub(crate) fn forces(
         &self,
         level: SimdLevel,
-        position: &[PaddedVec3],
+        places: &Places,
         force: &mut [PaddedVec3],
         sums: &mut [PaddedPair],
     ) {
-        assert!(position.len() == self.vertices);
+        self.check_places(places);
         self.for_each_task(force, sums, &|range, first, force, sums| {
             let batches = &self.batches[range];
             // Safety: `BondTable::new` makes vertices, edges and the second vertices of edges less than the number of
             // positions, edges of the task lie within its sums and slots within its bonds; nothing else changes them.
-            unsafe { bonds_at(level, position, batches, first, force, sums) }
+            unsafe { bonds_at(level, places, batches, first, force, sums) }
         });
+    }
+
+    /// Checks that there are as many positions and edges as all indices of bonds ask for.
+    pub(super) fn check_places(&self, places: &Places) {
+        let (positions, edges) = (places.position.len(), places.edge.len());
+        assert!(positions == self.vertices && edges == self.vertices);
     }
 
     /// Calls `work` for each task with the range of its batches, its first edge, and its part of `force`, one entry for each
@@ -249,6 +256,11 @@ impl BondTable {
         Some(self.bond[entry]).filter(|b| *b != PADDING)
     }
 
+    /// Returns the entry of one of the bundle's bonds.
+    pub(super) fn entry(&self, bond: usize) -> usize {
+        self.entry[bond] as usize
+    }
+
     /// Sets the damage of one of the bundle's bonds.
     pub(crate) fn set_damage(&mut self, bundle: &RodBundle, bond: u32, damage: f64) {
         let entry = self.entry[bond as usize] as usize;
@@ -291,26 +303,20 @@ pub(super) struct Vectors<L> {
 }
 
 #[inline(always)]
-pub(super) unsafe fn vectors<L: Lanes>(
-    position: *const PaddedVec3,
-    batch: &BondBatch,
-) -> Vectors<L> {
+pub(super) unsafe fn vectors<L: Lanes>(places: &Places, batch: &BondBatch) -> Vectors<L> {
     unsafe {
         let (vertex, edge) = (batch.vertex.as_ptr(), batch.edge.as_ptr());
+        let position = places.position.as_ptr();
         let t = L::load(batch.t.as_ptr());
-        let (x, y0, y1) = (
-            L::gather(position, vertex),
-            L::gather(position, edge),
-            L::gather(position.add(1), edge),
-        );
-        let (e, s) = (difference(y1, y0), difference(x, y0));
+        let (x, y0) = (L::gather(position, vertex), L::gather(position, edge));
+        let [ex, ey, ez, by_edge] = L::gather4(places.edge.as_ptr(), edge);
+        let (e, s) = ([ex, ey, ez], difference(x, y0));
         let d = [
             s[0].sub(e[0].mul(t)),
             s[1].sub(e[1].mul(t)),
             s[2].sub(e[2].mul(t)),
         ];
         let one = L::splat(1.0);
-        let by_edge = one.div(dot(e, e).sqrt());
         let along = dot(e, d).mul(by_edge);
         let across = dot(d, d).sub(along.mul(along)).sqrt();
         Vectors {
@@ -329,7 +335,7 @@ pub(super) unsafe fn vectors<L: Lanes>(
 /// first entry belongs to edge `first`.
 #[inline(always)]
 unsafe fn bonds<L: Lanes>(
-    position: &[PaddedVec3],
+    places: &Places,
     batches: &[BondBatch],
     first: u32,
     out: &mut [PaddedVec3],
@@ -337,13 +343,12 @@ unsafe fn bonds<L: Lanes>(
 ) {
     unsafe {
         let mut sum = L::splat(0.0);
-        let position = position.as_ptr();
         // Roots and divisions of the next batch overlap with the forces of this one.
-        let mut next = vectors::<L>(position, batches.get_unchecked(0));
+        let mut next = vectors::<L>(places, batches.get_unchecked(0));
         for (i, batch) in batches.iter().enumerate() {
             let now = next;
             let following = (i + 1).min(batches.len() - 1);
-            next = vectors::<L>(position, batches.get_unchecked(following));
+            next = vectors::<L>(places, batches.get_unchecked(following));
             let Vectors { e, d, t, .. } = now;
             let opening = now.across.sub(L::load(batch.rest_opening.as_ptr()));
             let stiffness = L::load(batch.opening.as_ptr())
@@ -380,7 +385,7 @@ unsafe fn bonds<L: Lanes>(
 
 for_each_level! {
     /// [`bonds`] at a level.
-    bonds_at = bonds(position: &[PaddedVec3], batches: &[BondBatch], first: u32, out: &mut [PaddedVec3], sums: &mut [PaddedPair])
+    bonds_at = bonds(places: &Places, batches: &[BondBatch], first: u32, out: &mut [PaddedVec3], sums: &mut [PaddedPair])
 }
 
 /// What the forces on vertices are gathered from.

@@ -42,6 +42,8 @@ pub(crate) trait Lanes: Copy {
     unsafe fn keep_if(self, keep: u8) -> Self;
     /// Gathers the first, second and third numbers of eight vectors, chosen by eight indices.
     unsafe fn gather(from: *const PaddedVec3, indices: *const u32) -> [Self; 3];
+    /// The same with their fourth numbers.
+    unsafe fn gather4(from: *const PaddedVec3, indices: *const u32) -> [Self; 4];
     /// Transposes two triples into eight pairs: pair k is the k-th numbers of the first three, 0, those of the second three,
     /// 0.
     unsafe fn pairs(first: [Self; 3], second: [Self; 3]) -> [Self; WIDTH];
@@ -129,6 +131,17 @@ impl Lanes for Scalar {
     #[inline(always)]
     unsafe fn gather(from: *const PaddedVec3, indices: *const u32) -> [Self; 3] {
         let mut made = [[0.0; WIDTH]; 3];
+        for k in 0..WIDTH {
+            let vector = unsafe { &*from.add(*indices.add(k) as usize) };
+            for (made, v) in made.iter_mut().zip(&vector.0) {
+                made[k] = *v;
+            }
+        }
+        made.map(Scalar)
+    }
+    #[inline(always)]
+    unsafe fn gather4(from: *const PaddedVec3, indices: *const u32) -> [Self; 4] {
+        let mut made = [[0.0; WIDTH]; 4];
         for k in 0..WIDTH {
             let vector = unsafe { &*from.add(*indices.add(k) as usize) };
             for (made, v) in made.iter_mut().zip(&vector.0) {

@@ -5,9 +5,9 @@
 //! |---|---|
 //! | `lanes`, `x86`, `level`, `dispatch` | eight numbers at once, and functions compiled for several instruction sets |
 //! | `rods` | stretch and bending of rods, and the explicit step |
-//! | `bonds` | forces of bonds |
+//! | `bonds`, `places` | forces of bonds, and where vertices and edges are |
 //! | `bond_gradients`, `same_rod_blocks` | bonds linearised about a state, and their blocks between vertices of one rod |
-//! | `bond_demands` | demand over strength of bonds |
+//! | `bond_demands`, `bond_strains` | demand over strength of bonds, and their openings and slips |
 //! | `banded_cholesky` | Cholesky factors of bands, eight side by side |
 //! | `rank_update` | weighted sums of rows in blocks of the coarse matrix |
 #![allow(unsafe_code)]
@@ -15,10 +15,12 @@
 pub(crate) mod banded_cholesky;
 pub(crate) mod bond_demands;
 pub(crate) mod bond_gradients;
+pub(crate) mod bond_strains;
 pub(crate) mod bonds;
 pub(crate) mod dispatch;
 pub(crate) mod lanes;
 pub(crate) mod level;
+pub(crate) mod places;
 pub(crate) mod rank_update;
 pub(crate) mod rods;
 pub(crate) mod same_rod_blocks;

@@ -66,8 +66,15 @@ impl Lanes for Wide512 {
     #[inline(always)]
     unsafe fn gather(from: *const PaddedVec3, indices: *const u32) -> [Self; 3] {
         unsafe {
-            let [x, y, z] = gather512(from, indices);
+            let [x, y, z, _] = gather512(from, indices);
             [Wide512(x), Wide512(y), Wide512(z)]
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather4(from: *const PaddedVec3, indices: *const u32) -> [Self; 4] {
+        unsafe {
+            let [x, y, z, w] = gather512(from, indices);
+            [Wide512(x), Wide512(y), Wide512(z), Wide512(w)]
         }
     }
     #[inline(always)]
@@ -106,7 +113,7 @@ unsafe fn two_vectors(from: *const PaddedVec3, indices: *const u32, k: usize) ->
 
 #[inline]
 #[target_feature(enable = "avx512f,avx2")]
-unsafe fn gather512(from: *const PaddedVec3, indices: *const u32) -> [__m512d; 3] {
+unsafe fn gather512(from: *const PaddedVec3, indices: *const u32) -> [__m512d; 4] {
     let [a, b, c, d] = unsafe {
         [
             two_vectors(from, indices, 0),
@@ -123,6 +130,7 @@ unsafe fn gather512(from: *const PaddedVec3, indices: *const u32) -> [__m512d; 3
         _mm512_permutex2var_pd(xz, low, zx),
         _mm512_permutex2var_pd(yw, low, wy),
         _mm512_permutex2var_pd(xz, high, zx),
+        _mm512_permutex2var_pd(yw, high, wy),
     ]
 }
 
@@ -254,6 +262,21 @@ impl Lanes for Wide256 {
                 four_vectors(from, indices.add(4)),
             );
             [Wide256(x0, x1), Wide256(y0, y1), Wide256(z0, z1)]
+        }
+    }
+    #[inline(always)]
+    unsafe fn gather4(from: *const PaddedVec3, indices: *const u32) -> [Self; 4] {
+        unsafe {
+            let ([x0, y0, z0, w0], [x1, y1, z1, w1]) = (
+                four_vectors(from, indices),
+                four_vectors(from, indices.add(4)),
+            );
+            [
+                Wide256(x0, x1),
+                Wide256(y0, y1),
+                Wide256(z0, z1),
+                Wide256(w0, w1),
+            ]
         }
     }
     #[inline(always)]

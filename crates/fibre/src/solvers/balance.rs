@@ -4,6 +4,7 @@
 //! at the end of the step is the yield force, whatever the step's length.
 
 use super::grip::ResolvedGrip;
+use super::limit_step::connected_parts;
 use crate::contact::{ContactSpring, ContactTrial, Contacts};
 use crate::energy::rod;
 use crate::evaluator::ForceEvaluator;
@@ -95,6 +96,8 @@ pub(super) struct Balance {
     pub springs: Vec<ContactSpring>,
     /// The largest force, with which the residual is compared, N.
     pub scale: f64,
+    /// Per vertex: the first of its connected part.
+    pub parts: Vec<usize>,
     forces: Forces,
     /// Bonds that are softer than before the step, with their damage.
     pub softened: Vec<(u32, f64)>,
@@ -110,6 +113,7 @@ impl Balance {
         self.evaluator = Some(ForceEvaluator::new(bundle));
         self.forces = Forces::zeros(n);
         self.residual = vec![0.0; n * self.block];
+        self.parts = connected_parts(bundle);
         self.softened.clear();
     }
 

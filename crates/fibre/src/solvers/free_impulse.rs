@@ -6,7 +6,6 @@
 //! loads on it, and takes the work of these forces out of the balance.
 
 use super::balance::{Balance, EquilibriumProblem};
-use super::limit_step::connected_parts;
 use super::rigid_parts::motion_of_parts;
 use crate::rod_bundle::RodBundle;
 use crate::state::State;
@@ -23,7 +22,7 @@ impl FreeAcceleration {
     /// Returns those of a trial state whose forces `balance` has.
     pub fn new(problem: &EquilibriumProblem, state: &State, balance: &Balance) -> Self {
         let (bundle, n) = (problem.bundle, problem.bundle.vertices());
-        let part = connected_parts(bundle);
+        let part = &balance.parts;
         let mut bound = vec![false; n];
         for &vertex in problem.loads.clamps.iter().flat_map(|c| &c.vertices) {
             bound[part[vertex as usize]] = true;
@@ -40,7 +39,7 @@ impl FreeAcceleration {
             DVec3::from_slice(&balance.residual[at..at + 3]) / bundle.mass[v]
         };
         let unbalanced: Vectors = (0..n).map(unbalanced).collect();
-        let motion = motion_of_parts(bundle, (&state.position, &unbalanced), &part);
+        let motion = motion_of_parts(bundle, (&state.position, &unbalanced), part);
         for v in (0..n).filter(|&v| !bound[part[v]]) {
             let whole = motion[part[v]].velocity_at(state.position.get(v));
             if whole.is_finite() {

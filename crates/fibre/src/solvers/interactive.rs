@@ -196,7 +196,7 @@ impl Interactive {
             inertia: Some(&inertia),
             ..EquilibriumProblem::at_rest(world, old.time + dt)
         };
-        let first = predict(&world.bundle, old, dt);
+        let first = predict(&world.bundle, &self.newton.balance.parts, old, dt);
         let found = self
             .newton
             .solve_predicted(&problem, first, contacts, context)?;

@@ -14,6 +14,7 @@ const MAX_EDGE_CHANGE: f64 = 0.5;
 /// taken within the limit: 1 where anything was shortened.
 pub(super) fn limit_step(
     bundle: &RodBundle,
+    part: &[usize],
     block: usize,
     last: bool,
     step: &mut [f64],
@@ -33,7 +34,6 @@ pub(super) fn limit_step(
         let largest = changes.iter().copied().fold(0.0, f64::max);
         return MAX_EDGE_CHANGE / largest;
     }
-    let part = connected_parts(bundle);
     let (mut largest, mut clamped) = (vec![0.0f64; n], vec![false; n]);
     for v in 0..n {
         largest[part[v]] = largest[part[v]].max(changes[v]);

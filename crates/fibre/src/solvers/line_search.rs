@@ -5,8 +5,6 @@
 //! no further, for as many iterations as the crumb needs.
 
 use super::balance::Balance;
-use super::limit_step::connected_parts;
-use crate::rod_bundle::RodBundle;
 use greenstick_geometry::Unions;
 
 /// Trials of a line search.
@@ -76,10 +74,10 @@ pub(super) struct LineSearch {
 
 impl LineSearch {
     /// Begins one where `balance` has the forces, and the contacts by which parts are one.
-    pub fn new(bundle: &RodBundle, balance: &Balance, step: &[f64]) -> Self {
-        let n = bundle.vertices();
+    pub fn new(balance: &Balance, step: &[f64]) -> Self {
+        let n = balance.parts.len();
         let mut unions = Unions::new(n);
-        for (v, root) in connected_parts(bundle).into_iter().enumerate() {
+        for (v, &root) in balance.parts.iter().enumerate() {
             unions.join(v as u32, root as u32);
         }
         for spring in &balance.springs {
@@ -145,7 +143,7 @@ impl LineSearch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rod_bundle::{Rod, RodMaterial};
+    use crate::rod_bundle::{Rod, RodBundle, RodMaterial};
     use glam::DVec3;
 
     #[test]
@@ -163,7 +161,7 @@ mod tests {
         let step = vec![1.0; balance.residual.len()];
         let (first, second) = (0..9, 9..18);
         balance.residual.fill(1.0);
-        let mut search = LineSearch::new(&bundle, &balance, &step);
+        let mut search = LineSearch::new(&balance, &step);
         // At the end of the step the first rod's forces are reversed and ten times as large, the second's are nearly balanced.
         balance.residual[first.clone()].fill(-10.0);
         balance.residual[second.clone()].fill(0.1);

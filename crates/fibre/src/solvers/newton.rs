@@ -11,7 +11,7 @@ use super::line_search::{LINE_SEARCH_TRIALS, LineSearch};
 use super::linear::{DirectSolver, IterativeSolver, LinearProblem};
 use super::prediction::Prediction;
 use crate::contact::{ContactSpring, Contacts};
-use crate::energy::{add_forces, energies};
+use crate::energy::{Energies, add_forces, energies};
 use crate::error::SolverError;
 use crate::failure::criteria::FailureCriteria;
 use crate::failure::demand::{FailureDetector, Overstressed, find_overstressed};
@@ -189,6 +189,14 @@ impl Newton {
         }
     }
 
+    /// Returns the energies of a state of the prepared bundle.
+    pub fn energies(&mut self, bundle: &RodBundle, state: &State) -> Energies {
+        match &mut self.balance.evaluator {
+            Some(evaluator) => evaluator.energies(bundle, state),
+            None => energies(bundle, state),
+        }
+    }
+
     /// Derives everything that depends on which rods and bonds there are.
     pub fn prepare(&mut self, bundle: &RodBundle, grips: &[Grip]) {
         if self.generation == Some(bundle.generation) {
@@ -337,7 +345,7 @@ impl Newton {
         let before = if self.options.work_tolerance.is_infinite() {
             0.0
         } else {
-            problem.lost + energies(bundle, problem.start).total()
+            problem.lost + self.energies(bundle, problem.start).total()
         };
         let mut work = self.unbalanced_work(problem, &iterates.state, before);
         while now.count < at_least
@@ -365,7 +373,8 @@ impl Newton {
             }
             let last = now.count + 1 >= now.allowed;
             let block = self.balance.block;
-            let longest = limit_step(bundle, block, last, &mut step, &mut prescribed);
+            let parts = &self.balance.parts;
+            let longest = limit_step(bundle, parts, block, last, &mut step, &mut prescribed);
             if longest <= 1.0 && now.allowed < 2 * self.options.max_iterations {
                 now.allowed += 1;
             }
@@ -441,7 +450,7 @@ impl Newton {
         longest: Option<f64>,
         context: &Context,
     ) -> Result<(), Cancelled> {
-        let mut search = LineSearch::new(problem.bundle, &self.balance, step);
+        let mut search = LineSearch::new(&self.balance, step);
         let Iterates { state, previous } = iterates;
         previous.clone_from(state);
         for _ in 0..LINE_SEARCH_TRIALS {

@@ -3,7 +3,6 @@
 //! Each connected part moves on as a rigid body, which it may do far in a step. Within it what bends may go on bending or swing
 //! back many times in the step: how far it goes is left to a line search.
 
-use super::limit_step::connected_parts;
 use super::rigid_parts::{RigidPart, motion_of_parts};
 use crate::rod_bundle::RodBundle;
 use crate::rotation::from_rotation_vector;
@@ -22,10 +21,9 @@ pub(super) struct Prediction {
     pub displacement: Vec<f64>,
 }
 
-/// Returns the prediction for `dt` seconds after `state`.
-pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> Prediction {
-    let part = connected_parts(bundle);
-    let parts = motion_of_parts(bundle, (&state.position, &state.velocity), &part);
+/// Returns the prediction for `dt` seconds after `state` of a bundle with these [connected parts](super::limit_step).
+pub(super) fn predict(bundle: &RodBundle, part: &[usize], state: &State, dt: f64) -> Prediction {
+    let parts = motion_of_parts(bundle, (&state.position, &state.velocity), part);
     // Implicit Euler turns a rigid body by the angle whose tangent is ω dt.
     let turn = |p: &RigidPart| {
         let axis = p.angular_velocity.normalize_or_zero();
@@ -65,6 +63,7 @@ pub(super) fn predict(bundle: &RodBundle, state: &State, dt: f64) -> Prediction 
 
 #[cfg(test)]
 mod tests {
+    use super::super::limit_step::connected_parts;
     use super::*;
     use crate::rod_bundle::{Rod, RodMaterial};
     use glam::DVec3;
@@ -84,7 +83,7 @@ mod tests {
         let Prediction {
             state: predicted,
             displacement,
-        } = predict(&bundle, &state, 2e-3);
+        } = predict(&bundle, &connected_parts(&bundle), &state, 2e-3);
         assert!(displacement.iter().all(|d| d.abs() < 1e-7));
         for j in 0..5 {
             let ratio = predicted.edge(j).length() / state.edge(j).length();

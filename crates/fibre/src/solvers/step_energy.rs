@@ -8,7 +8,6 @@
 
 use super::newton::{Equilibrium, Newton};
 use crate::contact::{ContactSpring, Contacts};
-use crate::energy::energies;
 use crate::failure::breaking::take_damage;
 use crate::failure::yielding::record_yielding;
 use crate::forces::Forces;
@@ -45,7 +44,8 @@ impl StepEnergy {
         found: Equilibrium,
         dt: f64,
     ) -> Self {
-        let stored = energies(&world.bundle, &world.state).potential() + contacts.stored_energy();
+        let stored = newton.energies(&world.bundle, &world.state).potential();
+        let stored = stored + contacts.stored_energy();
         let Equilibrium {
             state,
             reaction,
@@ -68,7 +68,7 @@ impl StepEnergy {
         let lost = yielded + take_damage(world, &softened);
         world.fracture_loss += lost;
         let contact = contacts.accept(&old, world.state.time, &springs);
-        let after = energies(&world.bundle, &world.state).potential() + contact.stored;
+        let after = newton.energies(&world.bundle, &world.state).potential() + contact.stored;
         let gap = stored + contact.work - contact.dissipated - lost - after - given;
         StepEnergy {
             work,
