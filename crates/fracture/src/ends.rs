@@ -89,10 +89,22 @@ pub(crate) struct TornEnd {
     pub plate: u32,
     /// Height of the end of that strip there.
     pub strip_end: f64,
-    /// Random numbers of the string of inner bark that it is part of.
-    pub string_random: [f64; 2],
+    /// The string of inner bark that it is part of, if it is.
+    pub string: BarkString,
     /// The plates that it broke across in, if it is brittle.
     brittle_plate: Plate,
+}
+
+/// A string of inner bark at a bundle of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct BarkString {
+    /// Random numbers: how far it goes with the bark, and how far beyond that or short of it.
+    pub goes: f64,
+    pub long: f64,
+    /// How far its end is torn to one side there, −1 to 1.
+    pub slant: f64,
+    /// How far the bundle ends before the string or beyond it, −0.5 to 0.5.
+    pub ragged: f64,
 }
 
 /// A node of a bundle.
@@ -294,7 +306,6 @@ impl TornEnds {
         let shared = self.slabs.at(ring, ray).1;
         let sliver = |what: i64| self.random(purpose::GROUP, number as i64, what);
         let place = self.shelf_coordinates(unit, self.middle(bundles, index, unit));
-        let pair = i64::from(bundle.sector / 2);
         let part = self.forks.find(rho, wandered);
         let fork = |what: i64| self.random(purpose::FORK, part as i64, what);
         TornEnd {
@@ -323,13 +334,30 @@ impl TornEnds {
             } else {
                 0.0
             },
-            string_random: [i64::from(bundle.ring), 1].map(|n| self.random(purpose::BARK, pair, n)),
+            string: self.string(bundle),
             brittle_plate: if self.key.brittle {
                 let at = (self.middle(bundles, index, unit) - self.pith) / self.key.radius;
                 Plate::large(seed(self.key.seed, purpose::PLATE), at)
             } else {
                 Plate::default()
             },
+        }
+    }
+
+    /// Returns the string of inner bark that a bundle is part of.
+    fn string(&self, bundle: &FibreBundle) -> BarkString {
+        let (string, across) = self.strips.string(bundle.phi);
+        let random = |what: i64| self.random(purpose::BARK, string as i64, what);
+        let own = self.random(
+            purpose::BARK,
+            i64::from(bundle.sector) << 16 | i64::from(bundle.ring),
+            3,
+        );
+        BarkString {
+            goes: random(0),
+            long: random(1),
+            slant: across * (2.0 * random(2) - 1.0),
+            ragged: own - 0.5,
         }
     }
 
@@ -437,8 +465,8 @@ impl TornEnds {
                 shared_outline,
                 outward: bark::outward(
                     seed(self.key.seed, purpose::BARK_SLANT),
-                    (end.strip, end.plate),
                     (node, thick),
+                    phi,
                 ),
                 ..none
             };

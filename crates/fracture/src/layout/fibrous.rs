@@ -353,6 +353,8 @@ fn wall_ends(
 /// ring, which tears more evenly than the wood between.
 const UNEVENNESS: f64 = 0.36;
 const RING_UNEVENNESS: f64 = 0.12;
+/// The same under the outer bark: what that comes off is smooth.
+const BARK_UNEVENNESS: f64 = 0.06;
 
 /// Ring coordinate of nodes just beyond the bark of the section, and that of the outermost nodes from which on those are needed: bark
 /// breaks on the slant, which facets that reach far beyond it would flatten.
@@ -386,9 +388,12 @@ fn boundary(
         if inside.is_none() {
             return 0.0;
         }
-        let unevenness = match inside.is_some_and(|band| band.at_ring) {
-            true => RING_UNEVENNESS,
-            false => UNEVENNESS,
+        let unevenness = if outside.is_some_and(|band| band.bark) {
+            BARK_UNEVENNESS
+        } else if inside.is_some_and(|band| band.at_ring) {
+            RING_UNEVENNESS
+        } else {
+            UNEVENNESS
         };
         unevenness
             * fineness
