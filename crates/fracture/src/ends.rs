@@ -140,6 +140,8 @@ const SLIVER_BUNDLES: usize = 20;
 const BRITTLE_ASPECT: f64 = 0.7;
 /// How many times as large the span of a board's rings and rays counts at most.
 const MAX_SPANS: f64 = 8.0;
+/// How many times as many slivers a board has as a round stem: they are as thin as slabs that lie in its thickness.
+const BOARD_SLIVERS: f64 = 1.4;
 /// Greatest length of such a part over its width.
 const FORK_SLENDERNESS: f64 = 7.0;
 /// Shares of the sides of slivers along rings and along rays that have a cleft, its width, radii, and the greatest part of a
@@ -204,6 +206,7 @@ impl TornEnds {
         let ring_unit = span
             .phi
             .map_or(1.0, |_| ring_unit(bundles, (key.radius, key.pith)));
+        let board = span.phi.is_some();
         // Counts are those of the section, which takes a part of the span of its rings and rays.
         let spans = match span.phi {
             Some(_) => (span.area() * ring_unit * ring_unit / PI).clamp(1.0, MAX_SPANS),
@@ -212,7 +215,7 @@ impl TornEnds {
         let count = |count: usize, factor: f64| (count as f64 * factor).round() as usize;
         let (slabs, slivers) = (
             count(key.slabs, spans.sqrt().sqrt()),
-            count(key.slivers, spans),
+            count(key.slivers, spans * if board { BOARD_SLIVERS } else { 1.0 }),
         );
         let slabs = Slabs::new(&span, slabs, key.brittle, key.seed);
         let sliver_seed = seed(key.seed, purpose::SLIVER);

@@ -284,7 +284,7 @@ mod tests {
             for p in [p.clone(), p.at_size(0.85)] {
                 let strips = Strips::new(&p);
                 assert_eq!(strips.count(), p.bark_strips as usize);
-                for walls in [&strips.walls, &strips.plates] {
+                for walls in [&strips.walls, &strips.plates, &strips.strings] {
                     let mut widths: Vec<f64> = walls.windows(2).map(|w| w[1] - w[0]).collect();
                     let sum: f64 = widths.iter().sum();
                     assert!((sum / TAU - 1.0).abs() < 1e-9, "{sum}");

@@ -126,7 +126,7 @@ const FOLD_STEPS: f64 = 0.3;
 const CLEFT_OF_SLABS: f64 = 0.5;
 const CLEFT_OF_SLIVERS: f64 = 1.1;
 /// The unit of the heights of its plates, over that of its steps.
-const PLATE_HEIGHT: f64 = 1.4;
+const PLATE_HEIGHT: f64 = 1.7;
 /// How much less rough they are than short breaks of wood that splinters, and how much lower fibres and steps stand out of them.
 const PLATE_SMOOTHNESS: f64 = 0.9;
 const PLATE_SHARPNESS: f64 = 0.85;
@@ -209,7 +209,11 @@ impl<'a> TornRelief<'a> {
     fn torn_and_length(&self, shelf: f64) -> (f64, f64) {
         let torn = self.torn_share(shelf);
         let (from, to) = CRUSHED_SHELF;
-        let crushed = noise::smoothstep(from, to, self.model.p.compression_shelf);
+        // The shelf of a board is a broad face of it, however narrow.
+        let crushed = match self.ends.is_board() {
+            true => 1.0,
+            false => noise::smoothstep(from, to, self.model.p.compression_shelf),
+        };
         let short = (1.0 - torn) * (1.0 - crushed);
         (
             1.0 - (1.0 - torn) * crushed,
