@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 pub const BARK_START: f64 = 0.94;
 /// Least ring coordinate at which bark may begin: relief deeper than that cuts into the wood.
 pub const MIN_BARK_START: f64 = 0.88;
-/// Greatest ring coordinate at which bark may begin: smooth bark is no thinner than this leaves it, a millimetre on a branch of 4 cm.
-pub const MAX_BARK_START: f64 = 0.95;
+/// Greatest ring coordinate at which bark may begin: smooth bark is no thinner than this leaves it.
+pub const MAX_BARK_START: f64 = 0.96;
 
 /// A tissue of the cross-section, from the inside out. The paper calls them tissue zones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]

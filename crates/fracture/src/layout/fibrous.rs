@@ -361,6 +361,17 @@ const BARK_UNEVENNESS: f64 = 0.06;
 pub(crate) const BEYOND_BARK: f64 = 1.08;
 const FAR_BEYOND: f64 = 1.3;
 
+/// Returns how far nodes are shifted across the boundary between two bands, in thicknesses of the thinner one.
+fn unevenness(inside: Option<&RingBand>, outside: Option<&RingBand>) -> f64 {
+    if outside.is_some_and(|band| band.bark) {
+        BARK_UNEVENNESS
+    } else if inside.is_some_and(|band| band.at_ring) {
+        RING_UNEVENNESS
+    } else {
+        UNEVENNESS
+    }
+}
+
 /// Makes the nodes of boundary `number` between two bands.
 fn boundary(
     builder: &mut NodeBuilder,
@@ -388,14 +399,7 @@ fn boundary(
         if inside.is_none() {
             return 0.0;
         }
-        let unevenness = if outside.is_some_and(|band| band.bark) {
-            BARK_UNEVENNESS
-        } else if inside.is_some_and(|band| band.at_ring) {
-            RING_UNEVENNESS
-        } else {
-            UNEVENNESS
-        };
-        unevenness
+        unevenness(inside, outside)
             * fineness
             * thinner
             * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5)

@@ -23,7 +23,7 @@ const FURROW_REACH: f64 = 1.5;
 /// Part of the skin that lies in furrows.
 const FURROW_SHARE: usize = 10;
 /// Ring coordinate by which wood begins below the furrows.
-const BELOW_FURROWS: f64 = 0.035;
+const BELOW_FURROWS: f64 = 0.02;
 /// An arc of a board is widened by this part, so that the skin lies within it.
 const ARC_MARGIN: f64 = 0.03;
 /// Arc (rad) from which on the pith counts as inside a board.

@@ -84,21 +84,10 @@ impl WoodAppearance {
         let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards)
             * (1.0 - surface.end)
             * (1.0 - smoothstep(cork + OUTSIDE.0, cork + OUTSIDE.1, rho));
-        // Inner bark tears off in strings of many lengths; more of it is left farther out.
-        let from_wood = (rho - self.phloem) / (cork - self.phloem).max(1e-6);
-        let width = BAST_PATCH.0 * string;
-        let (long, period) = periodic_cells(BAST_PATCH.1 * width, self.period);
-        let scale = DVec3::new(1.0 / width, 1.0 / width, 1.0 / long);
-        let patch = match peeled > 0.0 {
-            true => {
-                (noises.gradient(BAST_NOISE, self.seed ^ BAST, place * scale, period)).0
-                    + BAST_STRINGS.0 * ragged
-                    + BAST_STRINGS.1 * surface.tone
-            }
+        let strings = match peeled > 0.0 {
+            true => self.bast(rho, (place, string), ragged, surface.tone, noises),
             false => 0.0,
         };
-        let stays = BAST_STAYS.0 + (BAST_STAYS.1 - BAST_STAYS.0) * from_wood.clamp(0.0, 1.0);
-        let strings = BAST_SHARE * smoothstep(stays - BAST_EDGE, stays + BAST_EDGE, patch);
         let bare_wood = |edge: f64| match edge == self.phloem {
             true => peeled * (1.0 - strings),
             false => peeled,
@@ -131,6 +120,27 @@ impl WoodAppearance {
                 surface.blend(cambium, 0.1 * speck, CAMBIUM_SHARE * pale);
             }
         }
+    }
+
+    /// How much inner bark is left at a place of a face that bark came off, 0 to 1: it tears off in strings of many lengths, and more of it
+    /// is left farther out. `string` is the width of its strings, m, of which the one there reaches far as `ragged` and `tone` say.
+    fn bast(
+        &self,
+        rho: f64,
+        (place, string): (DVec3, f64),
+        ragged: f64,
+        tone: f64,
+        noises: &mut impl Noises,
+    ) -> f64 {
+        let thick = (self.drawn_inner_bark_end() - self.phloem).max(1e-6);
+        let from_wood = ((rho - self.phloem) / thick).clamp(0.0, 1.0);
+        let width = BAST_PATCH.0 * string;
+        let (long, period) = periodic_cells(BAST_PATCH.1 * width, self.period);
+        let scale = DVec3::new(1.0 / width, 1.0 / width, 1.0 / long);
+        let noise = noises.gradient(BAST_NOISE, self.seed ^ BAST, place * scale, period);
+        let patch = noise.0 + BAST_STRINGS.0 * ragged + BAST_STRINGS.1 * tone;
+        let stays = BAST_STAYS.0 + (BAST_STAYS.1 - BAST_STAYS.0) * from_wood;
+        BAST_SHARE * smoothstep(stays - BAST_EDGE, stays + BAST_EDGE, patch)
     }
 
     /// How far the borders of the inner bark are shifted at a place, in ring coordinates.
