@@ -89,10 +89,22 @@ pub(crate) struct TornEnd {
     pub plate: u32,
     /// Height of the end of that strip there.
     pub strip_end: f64,
-    /// Random numbers of the string of inner bark that it is part of.
-    pub string_random: [f64; 2],
+    /// The string of inner bark that it is part of, if it is.
+    pub string: BarkString,
     /// The plates that it broke across in, if it is brittle.
     brittle_plate: Plate,
+}
+
+/// A string of inner bark at a bundle of it.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct BarkString {
+    /// Random numbers: how far it goes with the bark, and how far beyond that or short of it.
+    pub goes: f64,
+    pub long: f64,
+    /// How far its end is torn to one side there, −1 to 1.
+    pub slant: f64,
+    /// How far the bundle ends before the string or beyond it, −0.5 to 0.5.
+    pub ragged: f64,
 }
 
 /// A node of a bundle.
@@ -128,6 +140,8 @@ const SLIVER_BUNDLES: usize = 20;
 const BRITTLE_ASPECT: f64 = 0.7;
 /// How many times as large the span of a board's rings and rays counts at most.
 const MAX_SPANS: f64 = 8.0;
+/// How many times as many slivers a board has as a round stem: they are as thin as slabs that lie in its thickness.
+const BOARD_SLIVERS: f64 = 1.4;
 /// Greatest length of such a part over its width.
 const FORK_SLENDERNESS: f64 = 7.0;
 /// Shares of the sides of slivers along rings and along rays that have a cleft, its width, radii, and the greatest part of a
@@ -192,6 +206,7 @@ impl TornEnds {
         let ring_unit = span
             .phi
             .map_or(1.0, |_| ring_unit(bundles, (key.radius, key.pith)));
+        let board = span.phi.is_some();
         // Counts are those of the section, which takes a part of the span of its rings and rays.
         let spans = match span.phi {
             Some(_) => (span.area() * ring_unit * ring_unit / PI).clamp(1.0, MAX_SPANS),
@@ -200,7 +215,7 @@ impl TornEnds {
         let count = |count: usize, factor: f64| (count as f64 * factor).round() as usize;
         let (slabs, slivers) = (
             count(key.slabs, spans.sqrt().sqrt()),
-            count(key.slivers, spans),
+            count(key.slivers, spans * if board { BOARD_SLIVERS } else { 1.0 }),
         );
         let slabs = Slabs::new(&span, slabs, key.brittle, key.seed);
         let sliver_seed = seed(key.seed, purpose::SLIVER);
@@ -294,7 +309,6 @@ impl TornEnds {
         let shared = self.slabs.at(ring, ray).1;
         let sliver = |what: i64| self.random(purpose::GROUP, number as i64, what);
         let place = self.shelf_coordinates(unit, self.middle(bundles, index, unit));
-        let pair = i64::from(bundle.sector / 2);
         let part = self.forks.find(rho, wandered);
         let fork = |what: i64| self.random(purpose::FORK, part as i64, what);
         TornEnd {
@@ -323,13 +337,30 @@ impl TornEnds {
             } else {
                 0.0
             },
-            string_random: [i64::from(bundle.ring), 1].map(|n| self.random(purpose::BARK, pair, n)),
+            string: self.string(bundle),
             brittle_plate: if self.key.brittle {
                 let at = (self.middle(bundles, index, unit) - self.pith) / self.key.radius;
                 Plate::large(seed(self.key.seed, purpose::PLATE), at)
             } else {
                 Plate::default()
             },
+        }
+    }
+
+    /// Returns the string of inner bark that a bundle is part of.
+    fn string(&self, bundle: &FibreBundle) -> BarkString {
+        let (string, across) = self.strips.string(bundle.phi);
+        let random = |what: i64| self.random(purpose::BARK, string as i64, what);
+        let own = self.random(
+            purpose::BARK,
+            i64::from(bundle.sector) << 16 | i64::from(bundle.ring),
+            3,
+        );
+        BarkString {
+            goes: random(0),
+            long: random(1),
+            slant: across * (2.0 * random(2) - 1.0),
+            ragged: own - 0.5,
         }
     }
 
@@ -437,8 +468,8 @@ impl TornEnds {
                 shared_outline,
                 outward: bark::outward(
                     seed(self.key.seed, purpose::BARK_SLANT),
-                    (end.strip, end.plate),
                     (node, thick),
+                    phi,
                 ),
                 ..none
             };

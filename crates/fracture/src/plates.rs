@@ -21,9 +21,9 @@ struct Size {
 
 /// Heights are in those of the steps of brittle wood. Large plates have sheer edges along the bundles there.
 const LARGE: Size = Size {
-    per_radius: 1.6,
+    per_radius: 1.1,
     share: 1.0,
-    height: 0.4,
+    height: 0.3,
     slope: 2.0,
     hollow: 1.6,
 };
@@ -32,15 +32,15 @@ const SMALL: [Size; 2] = [
     Size {
         per_radius: 4.2,
         share: 0.7,
-        height: 0.34,
-        slope: 2.2,
-        hollow: 3.0,
+        height: 0.034,
+        slope: 0.6,
+        hollow: 0.0,
     },
     Size {
         per_radius: 9.0,
         share: 0.4,
-        height: 0.2,
-        slope: 2.2,
+        height: 0.02,
+        slope: 0.6,
         hollow: 0.0,
     },
 ];

@@ -9,9 +9,9 @@ use std::f64::consts::TAU;
 
 const SEED: u64 = 0xba4c;
 /// Share of the strips that stand over the wood as flaps.
-const FLAP_SHARE: f64 = 0.24;
+const FLAP_SHARE: f64 = 0.2;
 /// Share of the strips that are peeled back from the wood.
-const PEELED_SHARE: f64 = 0.26;
+const PEELED_SHARE: f64 = 0.2;
 
 /// Strips around a stem.
 #[derive(Debug, Clone)]
@@ -22,8 +22,13 @@ pub(crate) struct Strips {
     heights: Vec<f64>,
     /// Angles (rad, ascending) between which furrows leave the plates of bark, over a turn.
     plates: Vec<f64>,
+    /// Angles (rad, ascending) between which inner bark tears into strings, over a turn.
+    strings: Vec<f64>,
     seed: u64,
 }
+
+/// Bundles beside each other in a string of inner bark, on average.
+const STRING_BUNDLES: u32 = 3;
 
 /// Plates of bark beside each other in a strip, on average.
 const PLATES: usize = 3;
@@ -31,15 +36,20 @@ const PLATES: usize = 3;
 const PLATE_BUNDLES: u32 = 4;
 /// Widths of the narrowest and of the broadest strips and plates, over some length.
 const PART_WIDTHS: (f64, f64) = (0.25, 2.6);
-/// How much of the outline of a strip a plate has from its middle: it breaks across as one.
-const PLATE_SHARE: f64 = 0.55;
-/// By how much plates beside each other differ, and by how much one is higher on one side than on the other, at most.
-const PLATE_STEP: f64 = 0.1;
-const PLATE_SLANT: f64 = 0.3;
-/// Greatest slope of torn bark outwards, by how much that of single places differs, and how much of it the plates of a strip share.
+/// How much of the outline of a strip a plate has from its middle: with more of it the rim would be a row of bricks.
+const PLATE_SHARE: f64 = 0.15;
+/// By how much the furrows between plates differ in height, by how much plates do that do not meet there, by how much one is higher on
+/// one side than on the other, at most, and how much lower its edges are than its middle.
+const PLATE_JOINED: f64 = 0.3;
+const PLATE_STEP: f64 = 0.03;
+const PLATE_SLANT: f64 = 0.2;
+const PLATE_BOW: f64 = 0.03;
+/// Greatest slope of torn bark outwards, and by how much that of single places differs.
 const SLANT: f64 = 5.0;
-const CRUMBS: f64 = 1.0;
-const STRIP_SHARE: f64 = 0.55;
+const CRUMBS: f64 = 0.35;
+/// Waves of that slope around a stem: how many over a radius, and its share. It changes evenly: a rim whose plates slant each to a side of
+/// its own is a row of bricks.
+const SLANT_WAVES: [(f64, f64); 2] = [(1.7, 1.6), (6.0, 0.8)];
 /// Greatest distance from the wood, radii, at which bark is as much higher as its slope says: nodes beyond the skin of a section that is
 /// not round lie far off.
 const THICKEST: f64 = 0.2;
@@ -57,7 +67,7 @@ impl Strips {
             } else if kind > 1.0 - PEELED_SHARE {
                 -0.5 - 1.2 * extent * extent
             } else {
-                0.7 * (extent - 0.5)
+                0.45 * (extent - 0.5)
             }
         };
         // With one plate for each bundle the rim would be a row of equal teeth.
@@ -67,6 +77,9 @@ impl Strips {
             walls,
             heights: (0..count).map(height).collect(),
             plates,
+            strings: uneven_parts((p.sectors / STRING_BUNDLES).max(3) as usize, |n| {
+                noise::unit(seed, n as i64, 4, 3)
+            }),
             seed,
         }
     }
@@ -78,10 +91,7 @@ impl Strips {
 
     /// Returns the number of the strip at an angle (rad).
     pub fn find(&self, phi: f64) -> usize {
-        let place = (phi - self.walls[0]) / TAU;
-        let phi = self.walls[0] + (place - place.floor()) * TAU;
-        let after = self.walls.partition_point(|&w| w <= phi);
-        after.clamp(1, self.heights.len()) - 1
+        part_at(&self.walls, phi).0
     }
 
     /// Returns the angle (rad) of a strip's middle.
@@ -91,15 +101,15 @@ impl Strips {
 
     /// Returns the number of the plate at an angle (rad).
     pub fn plate(&self, phi: f64) -> usize {
-        let phi = self.plate_angle(phi);
-        let after = self.plates.partition_point(|&w| w <= phi);
-        after.clamp(1, self.plates.len() - 1) - 1
+        part_at(&self.plates, phi).0
     }
 
-    /// Returns an angle as plates count it.
-    fn plate_angle(&self, phi: f64) -> f64 {
-        let place = (phi - self.plates[0]) / TAU;
-        self.plates[0] + (place - place.floor()) * TAU
+    /// Returns the number of the string of inner bark at an angle (rad), and the place across it, −1 to 1.
+    pub fn string(&self, phi: f64) -> (usize, f64) {
+        let (string, phi) = part_at(&self.strings, phi);
+        let (from, to) = (self.strings[string], self.strings[string + 1]);
+        let across = 2.0 * (phi - from) / (to - from).max(1e-9) - 1.0;
+        (string, across.clamp(-1.0, 1.0))
     }
 
     /// Returns the height of the end of a strip at an angle on a plate, over the wood under its middle, in bark heights. The end
@@ -126,8 +136,15 @@ impl Strips {
         let ragged = 0.22 * noise::gradient_2d(self.seed + 1, on(5.0))
             + 0.1 * noise::gradient_2d(self.seed + 2, on(15.0))
             + 0.09 * noise::gradient_2d(self.seed + 3, on(37.0));
-        let blunt = PLATE_STEP * (own(0) - 0.5) + PLATE_SLANT * (own(1) - 0.5) * across
-            - 0.08 * across * across * across * across;
+        // Plates meet at the furrows between them.
+        let count = self.plates.len() - 1;
+        let at_furrow = |n: usize| noise::unit(self.seed, (n % count) as i64, 5, 2) - 0.5;
+        let (left, right) = (at_furrow(plate), at_furrow(plate + 1));
+        let joined = left + (right - left) * (0.5 + 0.5 * across);
+        let blunt = PLATE_JOINED * joined
+            + PLATE_STEP * (own(0) - 0.5)
+            + PLATE_SLANT * (own(1) - 0.5) * across
+            - PLATE_BOW * across * across * across * across;
         height + torn * (shape - 0.5) + ragged + blunt
     }
 }
@@ -147,6 +164,14 @@ fn uneven_parts(count: usize, random: impl Fn(usize) -> f64) -> Vec<f64> {
     }
     walls[count] = walls[0] + TAU;
     walls
+}
+
+/// Returns the number of the part of a turn at an angle (rad), and that angle as its walls (ascending over a turn) count it.
+fn part_at(walls: &[f64], phi: f64) -> (usize, f64) {
+    let place = (phi - walls[0]) / TAU;
+    let phi = walls[0] + (place - place.floor()) * TAU;
+    let after = walls.partition_point(|&w| w <= phi);
+    (after.clamp(1, walls.len() - 1) - 1, phi)
 }
 
 /// Returns the outline of a torn end, 0 to 1, over its width (`v` from −1 to 1). `kind` (0 to 1) selects an end torn to one
@@ -199,15 +224,19 @@ pub(crate) fn thickness(bundles: &FibreBundles, (pith, radius): (DVec2, f64)) ->
     thick
 }
 
-/// Returns how much higher the torn bark of a plate of a strip is at a node `thick` (radii) outside of the wood than next to the wood.
+/// Returns how much higher the torn bark is at a node `thick` (radii) outside of the wood, at an angle (rad), than next to the wood.
 /// Bark breaks on the slant: one half shows its thickness, the other overhangs.
-pub(crate) fn outward(seed: u64, (strip, plate): (u32, u32), (node, thick): (u32, f64)) -> f64 {
+pub(crate) fn outward(seed: u64, (node, thick): (u32, f64), phi: f64) -> f64 {
     if thick == 0.0 {
         return 0.0;
     }
-    let even = |a: u32, what: i64| 2.0 * noise::unit(seed, i64::from(a), what, 0) - 1.0;
-    let slant = STRIP_SHARE * even(strip, 0) + (1.0 - STRIP_SHARE) * even(plate, 1);
-    (SLANT * slant + CRUMBS * even(node, 2)) * thick
+    let (sin, cos) = libm::sincos(phi);
+    let waves = SLANT_WAVES.iter().zip(seed..);
+    let slant = waves.fold(0.0, |sum, (&(per_radius, share), seed)| {
+        sum + share * noise::gradient_2d(seed, DVec2::new(cos, sin) * per_radius)
+    });
+    let crumb = 2.0 * noise::unit(seed, i64::from(node), 2, 0) - 1.0;
+    (SLANT * slant.clamp(-1.0, 1.0) + CRUMBS * crumb) * thick
 }
 
 #[cfg(test)]
@@ -255,7 +284,7 @@ mod tests {
             for p in [p.clone(), p.at_size(0.85)] {
                 let strips = Strips::new(&p);
                 assert_eq!(strips.count(), p.bark_strips as usize);
-                for walls in [&strips.walls, &strips.plates] {
+                for walls in [&strips.walls, &strips.plates, &strips.strings] {
                     let mut widths: Vec<f64> = walls.windows(2).map(|w| w[1] - w[0]).collect();
                     let sum: f64 = widths.iter().sum();
                     assert!((sum / TAU - 1.0).abs() < 1e-9, "{sum}");

@@ -93,6 +93,10 @@ struct LargeShape {
 const SHELF_EDGE: (f64, f64) = (-0.1, 0.4);
 /// Distance from that edge, radii, from which on slabs have their whole height: beside crushed wood it tears short.
 const SLABS_FROM: f64 = 0.8;
+/// Shares of the section between which a compression shelf begins to be one of crushed wood, and how long the wood of a narrower one tears
+/// over the rest.
+const CRUSHED_SHELF: (f64, f64) = (0.36, 0.46);
+const SHORT_TORN: f64 = 0.55;
 const SHELF_SLIVERS: f64 = 0.24;
 const SHELF_BUNDLES: f64 = 0.12;
 /// By how much the borders of layers wander, and by how much those of slivers differ, radii.
@@ -108,10 +112,12 @@ const LAYER_FEATHER: f64 = 0.35;
 /// Height of the folds over the compression height, and how rough crushed wood is beside them.
 const FOLD_HEIGHT: f64 = 0.4;
 const CRUSHED_ROUGHNESS: f64 = 0.07;
-/// Height of the terraces of brittle wood over that of its steps.
-const BRITTLE_TERRACES: f64 = 1.7;
+/// Height of the terraces of brittle wood over that of its steps: its plates break through them, and they are little more than its grain.
+const BRITTLE_TERRACES: f64 = 0.2;
 /// What those terraces are made of: clumps as large as slivers, and steps from ring to ring.
 const BRITTLE_STEPS: (f64, f64) = (0.7, 0.05);
+/// How much lower slabs are where wood is brittle.
+const BRITTLE_SLABS: f64 = 0.8;
 /// How much of the noise of torn wood crushed wood has, and how much of a fold's height a bundle has from its middle: fibres that
 /// broke beside each other are no rounded hill.
 const CRUSHED_NOISE: f64 = 0.25;
@@ -119,8 +125,8 @@ const FOLD_STEPS: f64 = 0.3;
 /// Depth of the deepest clefts between slivers over the heights by which slabs and slivers differ.
 const CLEFT_OF_SLABS: f64 = 0.5;
 const CLEFT_OF_SLIVERS: f64 = 1.1;
-/// Height of the plates of brittle wood over that of its steps.
-const PLATE_HEIGHT: f64 = 0.1;
+/// The unit of the heights of its plates, over that of its steps.
+const PLATE_HEIGHT: f64 = 1.7;
 /// How much less rough they are than short breaks of wood that splinters, and how much lower fibres and steps stand out of them.
 const PLATE_SMOOTHNESS: f64 = 0.9;
 const PLATE_SHARPNESS: f64 = 0.85;
@@ -198,6 +204,23 @@ impl<'a> TornRelief<'a> {
         }
     }
 
+    /// Returns how much of a bundle is torn rather than crushed, 0 to 1, and the factor on the length of what is torn. Where bending
+    /// ended on a narrow part of the section that was hardly crushed: the fibres there tore last, and short.
+    fn torn_and_length(&self, shelf: f64) -> (f64, f64) {
+        let torn = self.torn_share(shelf);
+        let (from, to) = CRUSHED_SHELF;
+        // The shelf of a board is a broad face of it, however narrow.
+        let crushed = match self.ends.is_board() {
+            true => 1.0,
+            false => noise::smoothstep(from, to, self.model.p.compression_shelf),
+        };
+        let short = (1.0 - torn) * (1.0 - crushed);
+        (
+            1.0 - (1.0 - torn) * crushed,
+            1.0 - (1.0 - SHORT_TORN) * short,
+        )
+    }
+
     /// Returns how much of the height of its slab wood has near the compression shelf, 0 to 1: it tears short there, without pits.
     fn slab_share(&self, shelf: f64) -> f64 {
         if self.model.p.compression_shelf > 0.0 {
@@ -270,13 +293,14 @@ impl<'a> TornRelief<'a> {
                 + SHELF_SLIVERS * (end.sliver_random[2] - 0.5)
                 + SHELF_BUNDLES * (end.crushed_random[2] - 0.5);
             let (layers, runs_out) = self.layers(end, across, (rho, bundle.phi));
+            let (torn, length) = self.torn_and_length(shelf);
             let shape = LargeShape {
                 level: layers + noise,
                 runs_out,
                 split: self.split(shelf, end.crushed_random[1]),
                 tilt: model.tilt,
-                torn: self.torn_share(shelf),
-                relief: model.site.relief,
+                torn,
+                relief: model.site.relief * length,
                 slabs: self.slab_share(shelf),
                 thorns: 1.0,
             };
@@ -348,6 +372,7 @@ impl<'a> TornRelief<'a> {
         let (torn, relief) = (large.torn, large.relief);
         let slab = self.ends.slabs.slab(end.slab as usize);
         let (slab_height, own_share, shortened) = self.height_on_slab(end);
+        let slabs = large.slabs * (1.0 - BRITTLE_SLABS * self.brittle);
         let [_, long, high] = end.sliver_random;
         let long = long + (COMMON_LENGTH - long) * slab.together;
         // Both halves keep their splinters: every other slab tears downwards.
@@ -370,7 +395,7 @@ impl<'a> TornRelief<'a> {
             (torn * (0.3 * length + fibre) + 0.5 * torn * outline * fork).min(end.fork_height);
         let (crushed, crushed_blade) = self.crushed(end, torn);
         let slant = slab.slant * (torn * relief * p.slab_height);
-        let torn_height = large.slabs * relief * p.slab_height * slab_height
+        let torn_height = slabs * relief * p.slab_height * slab_height
             + up * (shaft - 0.4 * p.sliver_height * relief * torn)
             + up * 0.6 * length * heavy(drop)
             + splintered
@@ -388,7 +413,7 @@ impl<'a> TornRelief<'a> {
             + slant.dot(self.about_pivot(end, at))
             - 0.5 * up * feather
             - large.split;
-        let base = self.with_bark(base, end, (rho, bundle.phi));
+        let base = self.with_bark(base + self.lip(end, at), end, (rho, bundle.phi));
         BundleHeight {
             base,
             thorn: large.thorns * self.thorn(rho, bundle.phi, zone, key, end.sliver),
@@ -397,7 +422,7 @@ impl<'a> TornRelief<'a> {
             slant: slant + large.tilt + shard.slant,
             sliver: up * (outline + feather),
             fork: up * fork,
-            slab: large.slabs * own_share * torn * relief * p.slab_height * shortened,
+            slab: slabs * own_share * torn * relief * p.slab_height * shortened,
             plates: torn * self.brittle * PLATE_HEIGHT * p.step_height,
             rough: torn * p.step_height * (1.0 - PLATE_SMOOTHNESS * self.brittle)
                 + (1.0 - torn) * CRUSHED_ROUGHNESS * p.compression_height,

@@ -32,9 +32,9 @@ const SLIVERS: f64 = 1.6e5;
 const CRUSHED_STUBS: f64 = 1.3e6;
 const TORN_STUBS: f64 = 5.0e5;
 /// The same of straps at the torn edge of bark.
-const STRAPS: f64 = 8e5;
+const STRAPS: f64 = 1.3e6;
 /// Share of straps that bark which broke short lacks, and the part of the height of its walls that counts.
-const FEWER_STRAPS: f64 = 0.9;
+const FEWER_STRAPS: f64 = 0.95;
 const SHORT_BARK: f64 = 0.8;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1: of hairs, and of each kind where pieces are apart.
 const MAX_SHARE: f64 = 0.6;

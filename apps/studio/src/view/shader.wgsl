@@ -582,12 +582,15 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
         // Bark comes off at the cambium: a face that looks outwards is wood, with strings of inner bark.
         let outwards = dot(facing, across) / max(length(facing) * length(across), 1e-9);
         let peeled = smoothstep(0.15, 0.5, outwards) * (1.0 - end);
-        let strings = 0.75 * smoothstep(0.42, 0.62, bundles.tone + 0.35 * ragged);
-        // What looks outwards farther from the cambium is inner bark that the outer bark came off.
+        // More of those are left farther from the cambium.
         let inner = max(wood.rings.x - wood.edges.w, 1e-6);
-        let bare = 1.0 - smoothstep(0.35, 0.75, (rho - wood.edges.w) / inner);
-        let in_phloem = smoothstep(wood.edges.w - soft - 0.012, wood.edges.w + soft + 0.012, wavy) * (1.0 - peeled * bare * (1.0 - strings));
-        let living = 1.0 - smoothstep(0.0, 1.1, (wavy - wood.edges.w) / inner + 0.45 * bundles.tone);
+        let patched = 2.4 * width;
+        let patch_at = noise(wood.seed.x ^ 0xba57u, place / patched * vec3<f32>(1.0, 1.0, 1.0 / 16.0)).w;
+        let stays = mix(0.42, -0.06, clamp((rho - wood.edges.w) / inner, 0.0, 1.0));
+        let strings = 0.85 * smoothstep(stays - 0.1, stays + 0.1, patch_at + 0.5 * ragged + 0.3 * bundles.tone);
+        let in_phloem = smoothstep(wood.edges.w - soft - 0.012, wood.edges.w + soft + 0.012, wavy) * (1.0 - peeled * (1.0 - strings));
+        let depth = (1.0 - 0.2 * peeled) * (wavy - wood.edges.w) / inner;
+        let living = 1.0 - smoothstep(0.0, 1.1, depth + 0.45 * bundles.tone);
         let pale = mix(wood.phloem.rgb, wood.sapwood.rgb * vec3<f32>(0.92, 0.90, 0.80), 0.45);
         let bast = mix(wood.phloem.rgb * vec3<f32>(0.60, 0.50, 0.42) * (1.0 + 0.38 * bundles.tone), pale, living);
         color = tissue(color, bast, 0.20 * speck, streaks.shade, end, in_phloem);

@@ -353,11 +353,24 @@ fn wall_ends(
 /// ring, which tears more evenly than the wood between.
 const UNEVENNESS: f64 = 0.36;
 const RING_UNEVENNESS: f64 = 0.12;
+/// The same under the outer bark: what that comes off is smooth.
+const BARK_UNEVENNESS: f64 = 0.06;
 
 /// Ring coordinate of nodes just beyond the bark of the section, and that of the outermost nodes from which on those are needed: bark
 /// breaks on the slant, which facets that reach far beyond it would flatten.
 pub(crate) const BEYOND_BARK: f64 = 1.08;
 const FAR_BEYOND: f64 = 1.3;
+
+/// Returns how far nodes are shifted across the boundary between two bands, in thicknesses of the thinner one.
+fn unevenness(inside: Option<&RingBand>, outside: Option<&RingBand>) -> f64 {
+    if outside.is_some_and(|band| band.bark) {
+        BARK_UNEVENNESS
+    } else if inside.is_some_and(|band| band.at_ring) {
+        RING_UNEVENNESS
+    } else {
+        UNEVENNESS
+    }
+}
 
 /// Makes the nodes of boundary `number` between two bands.
 fn boundary(
@@ -386,11 +399,7 @@ fn boundary(
         if inside.is_none() {
             return 0.0;
         }
-        let unevenness = match inside.is_some_and(|band| band.at_ring) {
-            true => RING_UNEVENNESS,
-            false => UNEVENNESS,
-        };
-        unevenness
+        unevenness(inside, outside)
             * fineness
             * thinner
             * (noise::unit(options.seed ^ purpose::NODE, number as i64, n as i64, 2) - 0.5)

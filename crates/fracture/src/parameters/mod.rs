@@ -79,7 +79,7 @@ parameters! {
             /// Slabs, the coarsest pieces: bounded by rings and rays.
             slab_count: u32 = 7, count(1, 100);
             /// Slivers, the pieces that slabs split into: groups of fibre bundles.
-            sliver_count: u32 = 90, count(1, 2000);
+            sliver_count: u32 = 64, count(1, 2000);
             /// Height by which slabs differ.
             slab_height: f64 = 0.8, number(Radius, 0.0, 20.0);
             /// Height by which the slivers of a slab differ.

@@ -21,6 +21,13 @@ const STRING_REACH: f64 = 1.3;
 /// How far inner bark stands beyond the outer bark of a strip, or stays behind it, in bark heights: its fibres are tougher, and go with
 /// one half or the other.
 const INNER_FRINGE: f64 = 0.16;
+/// How far the innermost strings of inner bark go with the bark over the outermost, and between which of their random numbers a string
+/// ends on its way from the end of the wood to that of the bark: strings are torn in places of many lengths.
+const INNERMOST_GOES: f64 = 0.4;
+const GOES: (f64, f64) = (0.12, 0.9);
+/// By how much the end of a string is torn to one side, and its bundles before each other, in those numbers.
+const STRING_SLANT: f64 = 0.18;
+const STRING_RAGGED: f64 = 0.16;
 /// In the hash: which of both.
 const FRINGE: u64 = 0xf419;
 /// Distances from the border of a layer over which it runs out in the bark, radii.
@@ -149,9 +156,13 @@ impl TornRelief<'_> {
         if rho <= self.inner_bark {
             return base;
         }
-        let [goes, long] = end.string_random;
+        let string = &end.string;
         let depth = ((rho - self.inner_bark) / self.model.p.phloem_proportion.max(1e-6)).min(1.0);
-        let with = noise::smoothstep(0.35, 0.75, goes * (0.55 + 0.75 * depth));
+        // Layers farther out go farther with the bark.
+        let goes = string.goes * (INNERMOST_GOES + (1.0 - INNERMOST_GOES) * depth);
+        let torn = STRING_SLANT * string.slant + STRING_RAGGED * string.ragged;
+        let (from, to) = GOES;
+        let with = noise::smoothstep(from, to, goes + torn * depth);
         let level = self.bark_level(end.strip as usize, phi);
         let height = self.model.p.bark_height * self.bark_relief(phi);
         let base = match self.field {
@@ -168,7 +179,7 @@ impl TornRelief<'_> {
             true => INNER_FRINGE,
             false => -INNER_FRINGE,
         };
-        let bark = level + height * (end.strip_end + 0.9 * heavy(long) - 0.1 + stands);
+        let bark = level + height * (end.strip_end + 0.9 * heavy(string.long) - 0.1 + stands);
         base + (bark - base) * with
     }
 }

@@ -22,7 +22,25 @@ const CRUSHED_BLADE: (f64, f64) = (0.04, 0.15);
 /// Part of a fold's width over which it rises: fibres lean over to one side and break off on the other.
 const FOLD_RISE: f64 = 0.72;
 
+/// Where the lip of brittle wood begins and where it is whole, radii from the pith away from the tension side, by how much that differs
+/// from sliver to sliver, and how high it is at least and by how much more at most, radii.
+const LIP: (f64, f64) = (0.72, 0.95);
+const LIP_SLIVERS: f64 = 0.1;
+const LIP_HEIGHT: (f64, f64) = (0.05, 0.3);
+
 impl TornRelief<'_> {
+    /// Returns the height of the lip that brittle wood has at a bundle, `at` in ring coordinates: what broke last is torn off in fibres.
+    pub(super) fn lip(&self, end: &TornEnd, at: DVec2) -> f64 {
+        if self.brittle == 0.0 || self.field.is_some() || self.ends.is_board() {
+            return 0.0;
+        }
+        let [short, long, _] = end.sliver_random;
+        let place = at.dot(-self.model.tension) + LIP_SLIVERS * (long - 0.5);
+        let (least, more) = LIP_HEIGHT;
+        let height = least + more * short * end.fork_random[1];
+        self.brittle * height * noise::smoothstep(LIP.0, LIP.1, place)
+    }
+
     /// Returns the height of a bundle of crushed wood, and that of its end.
     pub(super) fn crushed(&self, end: &TornEnd, torn: f64) -> (f64, f64) {
         let (height, [drop, _]) = (self.model.p.compression_height, end.fork_random);

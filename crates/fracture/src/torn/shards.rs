@@ -14,6 +14,8 @@ const LEAST_CRUSHED: f64 = 0.28;
 /// Height of the folds of crushed wood, radii, that short ends there are as high as. They differ less than folds do: a bundle is as wide
 /// under low folds as under high ones.
 const CRUSHED_HEIGHT: f64 = 0.029;
+/// How rough the ends of brittle wood are over its steps: they are fine grains of its plates.
+const BRITTLE_SHARDS: f64 = 0.05;
 /// Slopes of the ends of a group and of a bundle, height per radius, over the height of the relief of short ends.
 const GROUP_LEAN: f64 = 9.0;
 const OWN_LEAN: f64 = 5.5;
@@ -49,7 +51,7 @@ impl TornRelief<'_> {
     ) -> Shard {
         let p = self.model.p;
         let crushed = (p.compression_height * CRUSHED_HEIGHT).sqrt();
-        let relief = torn * self.brittle * p.step_height + (1.0 - torn) * crushed;
+        let relief = torn * self.brittle * BRITTLE_SHARDS * p.step_height + (1.0 - torn) * crushed;
         if relief <= 0.0 {
             return Shard::default();
         }

@@ -441,42 +441,87 @@ fn bark_breaks_on_the_slant_where_the_stem_flares() {
     assert!((sum / outline - 1.0).abs() < 1e-9, "{sum} {outline}");
 }
 
+/// The ends of the bundles of wood: their middles and heights, both in radii.
+fn ends_of((stem, bundles, heights): &(Stem, FibreBundles, Heights)) -> Vec<(DVec2, f64)> {
+    let layout = &bundles.layout;
+    let mut ends: Vec<(DVec2, f64)> = Vec::new();
+    for (facet, heights) in layout.facets.iter().zip(&heights.surface.heights) {
+        // The tip of a bundle is the last corner of the first of its facets that has it.
+        let [_, _, tip] = *facet;
+        let middle = layout.nodes[tip as usize] / stem.radius;
+        let new = ends.last().is_none_or(|last| last.0 != middle);
+        if new && bundles.tips.contains(&tip) && middle.length() < 0.85 {
+            ends.push((middle, heights[2] / stem.radius));
+        }
+    }
+    assert!(ends.len() > 1000, "{}", ends.len());
+    ends
+}
+
+/// The mean difference of the heights of ends whose distance lies in a range, all in radii.
+fn mean_difference(ends: &[(DVec2, f64)], (from, to): (f64, f64)) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for (i, (p, h)) in ends.iter().enumerate() {
+        for (q, k) in &ends[..i] {
+            if (from..to).contains(&p.distance(*q)) {
+                sum += (h - k).abs();
+                count += 1.0;
+            }
+        }
+    }
+    sum / count
+}
+
 /// Brittle wood parts along rings and rays into clumps: bundles beside each other end at about one height, those farther off at others.
 #[test]
 fn brittle_wood_ends_in_clumps() {
     for seed in 1..4 {
-        let (stem, bundles, heights) = round_face("brash", seed);
-        let layout = &bundles.layout;
-        let mut ends: Vec<(DVec2, f64)> = Vec::new();
-        for (facet, heights) in layout.facets.iter().zip(&heights.surface.heights) {
-            // The tip of a bundle is the last corner of the first of its facets that has it.
-            let [_, _, tip] = *facet;
-            let middle = layout.nodes[tip as usize] / stem.radius;
-            let new = ends.last().is_none_or(|last| last.0 != middle);
-            if new && bundles.tips.contains(&tip) && middle.length() < 0.85 {
-                ends.push((middle, heights[2] / stem.radius));
-            }
-        }
-        assert!(ends.len() > 1000, "{}", ends.len());
-        let mean = |from: f64, to: f64| {
-            let (mut sum, mut count) = (0.0, 0.0);
-            for (i, (p, h)) in ends.iter().enumerate() {
-                for (q, k) in &ends[..i] {
-                    if (from..to).contains(&p.distance(*q)) {
-                        sum += (h - k).abs();
-                        count += 1.0;
-                    }
-                }
-            }
-            sum / count
-        };
+        let ends = ends_of(&round_face("brash", seed));
         // The inclination of the face adds 0.03 at the distance of clumps.
-        let (beside, clumps_off) = (mean(0.0, 0.04), mean(0.25, 0.35));
+        let beside = mean_difference(&ends, (0.0, 0.04));
+        let clumps_off = mean_difference(&ends, (0.25, 0.35));
         println!("seed {seed}: {beside} {clumps_off}");
         assert!(clumps_off > 0.05, "seed {seed}: {clumps_off}");
         assert!(
             beside < 0.6 * clumps_off,
             "seed {seed}: {beside} {clumps_off}"
         );
+    }
+}
+
+/// A brash face is one of few plates, each nearly plane: ends an eighth of a radius apart are mostly of one plate, and differ by a small
+/// part of what those across the face do.
+#[test]
+fn brittle_wood_breaks_in_few_large_plates() {
+    for seed in 1..4 {
+        let ends = ends_of(&round_face("brash", seed));
+        let near = mean_difference(&ends, (0.1, 0.15));
+        let across = mean_difference(&ends, (0.9, 1.1));
+        println!("seed {seed}: {near} {across}");
+        assert!(near < 0.55 * across, "seed {seed}: {near} {across}");
+        // It is nearly flat all the same.
+        assert!(across < 0.25, "seed {seed}: {across}");
+    }
+}
+
+/// Where bending hardly crushed the wood, on the side opposite to the tension, it tore short: in tufts that differ by more than crumbs
+/// would, and less than the splinters beside them.
+#[test]
+fn a_narrow_compression_side_tears_short() {
+    for preset in ["simple-tension", "splintering-tension"] {
+        for seed in 1..4 {
+            let ends = ends_of(&round_face(preset, seed));
+            // Tension is along x.
+            let spread = |from: f64, to: f64| {
+                let part = ends.iter().filter(|e| (from..to).contains(&e.0.x));
+                let mut heights: Vec<f64> = part.map(|e| e.1).collect();
+                heights.sort_unstable_by(f64::total_cmp);
+                heights[heights.len() * 9 / 10] - heights[heights.len() / 10]
+            };
+            let (compressed, torn) = (spread(-0.85, -0.6), spread(0.1, 0.85));
+            println!("{preset} {seed}: {compressed} {torn}");
+            assert!(compressed > 0.15, "{preset} {seed}: {compressed}");
+            assert!(compressed < torn, "{preset} {seed}: {compressed} {torn}");
+        }
     }
 }

@@ -93,7 +93,8 @@ fn ways(straight: &Broken, leaning: &Broken, node: usize) -> Vec<(DVec2, f64)> {
     let mut ways: Vec<(DVec2, f64)> = (from.iter())
         .filter_map(|(key, from)| {
             let way = *to.get(key)? - *from;
-            assert!(way.dot(frame.tangent).abs() < 1e-6, "across the grain");
+            let along = way.dot(frame.tangent);
+            assert!(along.abs() < 1e-6, "{along} of {way} at {from}");
             let height = f64::from(f32::from_bits(key[2])) - stem.location;
             Some((DVec2::new(way.dot(frame.x), way.dot(frame.y)), height))
         })

@@ -17,7 +17,7 @@ const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
 pub(super) const TUFT: (f64, f64) = (2.2e-3, 9e-3);
 /// Ring coordinates beyond which no strand of a piece reaches: while the halves of a break lie in each other, and when they were
 /// moved apart.
-const OUTER_RING: f64 = 0.975;
+const OUTER_RING: f64 = 0.96;
 const OUTER_RING_APART: f64 = 1.1;
 const OUTER_RING_OF_STRAPS: f64 = 1.7;
 /// Share of hairs that are bundles of fibres, nearly twice as wide as the others.
@@ -318,7 +318,9 @@ fn farthest_ring(strand: &Strand, frame: &Frame, options: &FuzzOptions) -> f64 {
         let ring = (options.stem.rings)
             .address(strand.root.grain.truncate() + across)
             .0;
-        ring + (1.0 - part) * 0.5 * strand.width / options.stem.radius
+        // It keeps most of its width almost to its tip.
+        let tapers = part * part * part * part;
+        ring + (1.0 - tapers) * 0.5 * strand.width / options.stem.radius
     };
     [0.25, 0.5, 0.75, 1.0]
         .map(at)

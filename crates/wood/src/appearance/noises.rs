@@ -10,3 +10,5 @@ pub(super) const SPECK_NOISE: usize = HEARTWOOD_NOISE + 1;
 pub(super) const UNEVEN_NOISES: usize = SPECK_NOISE + 1;
 /// Tints of the wood, from coarse to fine, after the two of uneven barks.
 pub(super) const TINT_NOISES: usize = UNEVEN_NOISES + 2;
+/// Where inner bark stays on wood that bark came off, after the two of tints.
+pub(super) const BAST_NOISE: usize = TINT_NOISES + 2;

@@ -1,7 +1,7 @@
 //! The tissues beside the wood: pith, cambium, inner and outer bark, blended over the wood near and beyond their edges.
 
 use super::mix::visible_detail;
-use super::noises::{SPECK_NOISE, UNEVEN_NOISES};
+use super::noises::{BAST_NOISE, SPECK_NOISE, UNEVEN_NOISES};
 use super::tissue_blend::TissueBlend;
 use super::wood::WoodAppearance;
 use crate::noise::{Noises, smoothstep};
@@ -15,12 +15,17 @@ const CAMBIUM_SHARE: f64 = 0.7;
 const PEELED: (f64, f64) = (0.15, 0.5);
 /// Distances beyond the inner bark, in ring coordinates, between which such faces end.
 const OUTSIDE: (f64, f64) = (0.006, 0.016);
-/// Tones of slivers between which those begin that inner bark sticks to.
-const BAST: (f64, f64) = (0.42, 0.62);
-/// Parts of the thickness of the inner bark between which a face that looks outwards begins to show it.
-const BARE_BAST: (f64, f64) = (0.35, 0.75);
-/// How much of the wood strings of inner bark hide: they are thin.
-const BAST_SHARE: f64 = 0.75;
+/// Width of the patches in which inner bark stays on wood that bark came off, in strings, and their length in those widths.
+const BAST_PATCH: (f64, f64) = (2.4, 16.0);
+/// How far single strings and slivers reach out of such a patch or end in it, over its own noise.
+const BAST_STRINGS: (f64, f64) = (0.5, 0.3);
+/// The sum of those at which inner bark stays at the cambium and where the outer bark begins, and how soft its edge is.
+const BAST_STAYS: (f64, f64) = (0.42, -0.06);
+const BAST_EDGE: f64 = 0.1;
+/// How much of the wood it hides: its strings are thin.
+const BAST_SHARE: f64 = 0.85;
+/// How deep within the inner bark its layers look that outer bark came off, against the place: what is bare is the pale living side.
+const BARE_DEPTH: f64 = 0.8;
 /// How softly inner bark passes into sapwood, in ring coordinates to both sides, and how far strings of different tones reach into it;
 /// and how far the edge of the outer bark wanders over that of the inner bark, to the other side.
 const SAPWOOD_PASSAGE: f64 = 0.012;
@@ -31,6 +36,8 @@ const BARK_STRING: f64 = 1.1e-3;
 const COARSE_BARK: f64 = 0.02;
 /// In the hash: what the specks of pith and bark are drawn for.
 const SPECK: u64 = 0x4b;
+/// In the hash: where inner bark stays on the wood.
+const BAST: u64 = 0xba57;
 
 impl WoodAppearance {
     /// Blends pith and barks over the wood near and beyond their edges.
@@ -77,12 +84,12 @@ impl WoodAppearance {
         let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards)
             * (1.0 - surface.end)
             * (1.0 - smoothstep(cork + OUTSIDE.0, cork + OUTSIDE.1, rho));
-        let strings = BAST_SHARE * smoothstep(BAST.0, BAST.1, surface.tone + 0.35 * ragged);
-        // What looks outwards farther from the cambium is inner bark that the outer bark came off.
-        let from_wood = (rho - self.phloem) / (cork - self.phloem).max(1e-6);
-        let bare = 1.0 - smoothstep(BARE_BAST.0, BARE_BAST.1, from_wood);
+        let strings = match peeled > 0.0 {
+            true => self.bast(rho, (place, string), ragged, surface.tone, noises),
+            false => 0.0,
+        };
         let bare_wood = |edge: f64| match edge == self.phloem {
-            true => peeled * bare * (1.0 - strings),
+            true => peeled * (1.0 - strings),
             false => peeled,
         };
         for (edge, color, grain) in [
@@ -102,7 +109,10 @@ impl WoodAppearance {
             };
             let inside = smoothstep(edge - soft, edge + soft, wavy) * (1.0 - bare_wood(edge));
             let color = match edge == self.phloem {
-                true => self.inner_bark_color(wavy, surface.tone),
+                true => {
+                    let depth = 1.0 - (1.0 - BARE_DEPTH) * peeled;
+                    self.inner_bark_color(self.phloem + depth * (wavy - self.phloem), surface.tone)
+                }
                 false => color,
             };
             surface.blend(color, grain * speck, inside);
@@ -110,6 +120,27 @@ impl WoodAppearance {
                 surface.blend(cambium, 0.1 * speck, CAMBIUM_SHARE * pale);
             }
         }
+    }
+
+    /// How much inner bark is left at a place of a face that bark came off, 0 to 1: it tears off in strings of many lengths, and more of it
+    /// is left farther out. `string` is the width of its strings, m, of which the one there reaches far as `ragged` and `tone` say.
+    fn bast(
+        &self,
+        rho: f64,
+        (place, string): (DVec3, f64),
+        ragged: f64,
+        tone: f64,
+        noises: &mut impl Noises,
+    ) -> f64 {
+        let thick = (self.drawn_inner_bark_end() - self.phloem).max(1e-6);
+        let from_wood = ((rho - self.phloem) / thick).clamp(0.0, 1.0);
+        let width = BAST_PATCH.0 * string;
+        let (long, period) = periodic_cells(BAST_PATCH.1 * width, self.period);
+        let scale = DVec3::new(1.0 / width, 1.0 / width, 1.0 / long);
+        let noise = noises.gradient(BAST_NOISE, self.seed ^ BAST, place * scale, period);
+        let patch = noise.0 + BAST_STRINGS.0 * ragged + BAST_STRINGS.1 * tone;
+        let stays = BAST_STAYS.0 + (BAST_STAYS.1 - BAST_STAYS.0) * from_wood;
+        BAST_SHARE * smoothstep(stays - BAST_EDGE, stays + BAST_EDGE, patch)
     }
 
     /// How far the borders of the inner bark are shifted at a place, in ring coordinates.

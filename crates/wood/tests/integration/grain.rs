@@ -327,3 +327,47 @@ fn bark_comes_off_at_the_cambium() {
         "{outwards} of {sapwood}"
     );
 }
+
+/// Of what bark came off, inner bark stays in strings of many lengths beside bare wood, and more of it farther from the cambium.
+#[test]
+fn inner_bark_tears_off_in_strings() {
+    let (stem, look) = stem_with_bark();
+    let wood = &look.wood;
+    let bark_end = wood.drawn_inner_bark_end();
+    // Lengths of strings and of bare places along the grain, m, at a part of the thickness of the inner bark.
+    let lengths = |part: f64| {
+        const STEP: f64 = 0.5e-3;
+        let radius = 0.05 * (wood.phloem + part * (bark_end - wood.phloem));
+        let mut runs: [Vec<f64>; 2] = Default::default();
+        for line in 0..120 {
+            let out = DVec2::from_angle(0.0523 * f64::from(line));
+            let (mut last, mut length) = (false, 0.0);
+            for i in 0..400 {
+                let grain = (out * radius).extend(0.3 + STEP * f64::from(i));
+                let (point, _) = surface_point(&stem, grain, out);
+                let shown = brightness(look.wood_at(&stem, grain, &point).surface.color);
+                let is_bark = shown < 0.72 * brightness(wood.sapwood_color);
+                if is_bark != last && i > 0 {
+                    runs[usize::from(last)].push(length);
+                    length = 0.0;
+                }
+                (last, length) = (is_bark, length + STEP);
+            }
+            runs[usize::from(last)].push(length);
+        }
+        runs
+    };
+    let share = |[bare, bark]: &[Vec<f64>; 2]| {
+        let [bare, bark] = [bare, bark].map(|runs| runs.iter().sum::<f64>());
+        bark / (bare + bark)
+    };
+    let (inner, outer) = (lengths(0.3), lengths(0.75));
+    println!("{} {}", share(&inner), share(&outer));
+    assert!((0.2..0.9).contains(&share(&outer)), "{}", share(&outer));
+    assert!(share(&outer) > 1.4 * share(&inner), "{}", share(&inner));
+    for mut runs in outer {
+        runs.sort_unstable_by(f64::total_cmp);
+        let (short, long) = (runs[runs.len() / 4], runs[runs.len() * 9 / 10]);
+        assert!(long > 4.0 * short && long > 6e-3, "{short} {long}");
+    }
+}
