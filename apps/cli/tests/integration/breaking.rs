@@ -105,9 +105,10 @@ fn the_same_seed_gives_the_same_bytes_with_any_number_of_threads() {
 #[test]
 fn pieces_break_again_and_go_through_every_format() {
     let folder = Folder::new();
-    // Formats without nodes join the pieces in one mesh, so each break keeps clear of the last one's face.
+    // Formats without nodes join the pieces in one mesh, so each break keeps clear of the faces that are there. Of the first two pieces
+    // one is clearly the larger, whatever their faces are.
     let steps = [
-        ("a.obj", "0.5"),
+        ("a.obj", "0.45"),
         ("b.ply", "0.2"),
         ("c.stl", "0.75"),
         ("d.gltf", "0.3"),

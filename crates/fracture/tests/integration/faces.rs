@@ -15,7 +15,11 @@ use std::sync::Arc;
 
 fn stem(mesh: Mesh) -> Stem {
     let middle = StemLocation::Fraction(0.5);
-    let found = find_stem(&[mesh], &middle, &StemOptions::default(), &Context::quiet());
+    let options = StemOptions {
+        slope_of_grain: 0.0,
+        ..StemOptions::default()
+    };
+    let found = find_stem(&[mesh], &middle, &options, &Context::quiet());
     found.unwrap().stem
 }
 

@@ -95,8 +95,13 @@ fn rows(
             };
             let section = sections.section(inside);
             let section = section.ok_or(ElementError::Section(length))?;
-            let frame = sections.stem().grain.axis().frame(length);
-            Ok(BoardSection::new(section, frame, wide))
+            let grain = &sections.stem().grain;
+            let pith = grain.to_section(sections.stem().rings.pith(), length);
+            Ok(BoardSection::new(
+                section,
+                (grain.axis().frame(length), pith),
+                wide,
+            ))
         })
         .collect()
 }
@@ -173,6 +178,8 @@ impl BoardLayout {
 struct BoardSection {
     frame: Frame,
     section: TransverseSection,
+    /// The pith in the frame's x and y, m.
+    pith: DVec2,
     /// Direction of the wider side in the frame's x and y (unit).
     wide: DVec2,
     /// Its loops in directions of the wider and the thinner side.
@@ -180,13 +187,15 @@ struct BoardSection {
 }
 
 impl BoardSection {
-    fn new(section: TransverseSection, frame: Frame, wide: DVec2) -> Self {
+    /// Of a section near the one in which the `frame` and the pith lie.
+    fn new(section: TransverseSection, (frame, pith): (Frame, DVec2), wide: DVec2) -> Self {
         let turned = |p: &DVec2| DVec2::new(p.dot(wide), p.dot(wide.perp()));
         let loops = section.outline.loops.iter();
         BoardSection {
             loops: loops.map(|l| l.iter().map(turned).collect()).collect(),
             frame,
             section,
+            pith,
             wide,
         }
     }
@@ -329,7 +338,7 @@ impl<'a> Plane<'a> {
     }
 
     fn pith(&self) -> DVec3 {
-        self.world(self.section.section.field.pith())
+        self.world(self.section.pith)
     }
 }
 

@@ -19,7 +19,12 @@ pub struct Grown {
 
 pub fn grown(mesh: Mesh, rods: u32) -> Grown {
     let middle = "0.5".parse().unwrap();
-    let found = find_stem(&[mesh], &middle, &StemOptions::default(), &Context::quiet());
+    // As simulated wood is.
+    let options = StemOptions {
+        slope_of_grain: 0.0,
+        ..StemOptions::default()
+    };
+    let found = find_stem(&[mesh], &middle, &options, &Context::quiet());
     let stem = found.unwrap().stem;
     let oak = Species::find("white oak").unwrap();
     let wood = WoodMaterial::from_species(oak, 12.0, Fallback::Refuse).unwrap();
