@@ -64,6 +64,22 @@ impl Scalar {
     }
 }
 
+/// Returns the first coordinates of the vectors at [`WIDTH`] indices.
+///
+/// # Safety
+/// As [`Lanes::gather`].
+#[inline(always)]
+unsafe fn gathered<const N: usize>(from: *const PaddedVec3, indices: *const u32) -> [Scalar; N] {
+    let mut made = [[0.0; WIDTH]; N];
+    for k in 0..WIDTH {
+        let vector = unsafe { &*from.add(*indices.add(k) as usize) };
+        for (made, v) in made.iter_mut().zip(&vector.0) {
+            made[k] = *v;
+        }
+    }
+    made.map(Scalar)
+}
+
 impl Lanes for Scalar {
     #[inline(always)]
     unsafe fn splat(v: f64) -> Self {
@@ -130,25 +146,11 @@ impl Lanes for Scalar {
     }
     #[inline(always)]
     unsafe fn gather(from: *const PaddedVec3, indices: *const u32) -> [Self; 3] {
-        let mut made = [[0.0; WIDTH]; 3];
-        for k in 0..WIDTH {
-            let vector = unsafe { &*from.add(*indices.add(k) as usize) };
-            for (made, v) in made.iter_mut().zip(&vector.0) {
-                made[k] = *v;
-            }
-        }
-        made.map(Scalar)
+        unsafe { gathered(from, indices) }
     }
     #[inline(always)]
     unsafe fn gather4(from: *const PaddedVec3, indices: *const u32) -> [Self; 4] {
-        let mut made = [[0.0; WIDTH]; 4];
-        for k in 0..WIDTH {
-            let vector = unsafe { &*from.add(*indices.add(k) as usize) };
-            for (made, v) in made.iter_mut().zip(&vector.0) {
-                made[k] = *v;
-            }
-        }
-        made.map(Scalar)
+        unsafe { gathered(from, indices) }
     }
     #[inline(always)]
     unsafe fn pairs(first: [Self; 3], second: [Self; 3]) -> [Self; WIDTH] {

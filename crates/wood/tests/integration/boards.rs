@@ -1,19 +1,10 @@
 //! Boards told from round stems.
 
 use crate::support;
-use greenstick_geometry::{Context, Mesh};
+use crate::support::stem_at as at;
 use greenstick_wood::primitive::{board, cylinder};
-use greenstick_wood::stem::{FoundStem, StemError, StemKind, StemOptions, find_stem};
+use greenstick_wood::stem::StemKind;
 use std::f64::consts::TAU;
-
-fn at(meshes: &[Mesh], place: &str) -> Result<FoundStem, StemError> {
-    find_stem(
-        meshes,
-        &place.parse().unwrap(),
-        &StemOptions::default(),
-        &Context::quiet(),
-    )
-}
 
 #[test]
 fn boards_are_known_by_their_sections() {

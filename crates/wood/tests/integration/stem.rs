@@ -1,23 +1,15 @@
 //! Stems found in made and real meshes.
 
 use crate::support;
+use crate::support::stem_at as at;
 use glam::DVec3;
 use greenstick_geometry::{Context, Mesh, Values};
 use greenstick_wood::anatomy::{LimbReport, limb_table};
 use greenstick_wood::primitive::{BranchOptions, branch, cylinder};
 use greenstick_wood::stem::{
-    FoundStem, StemError, StemKind, StemLocation, StemOptions, find_left_out, find_stem,
+    StemError, StemKind, StemLocation, StemOptions, find_left_out, find_stem,
 };
 use std::f64::consts::TAU;
-
-fn at(meshes: &[Mesh], place: &str) -> Result<FoundStem, StemError> {
-    find_stem(
-        meshes,
-        &place.parse().unwrap(),
-        &StemOptions::default(),
-        &Context::quiet(),
-    )
-}
 
 /// A tube about a curve with its own frames; `ends` closes it with fans.
 fn tube(

@@ -1,11 +1,18 @@
 //! Real meshes for tests, read by the few lines that these files need.
 
 use glam::DVec3;
-use greenstick_geometry::Mesh;
+use greenstick_geometry::{Context, Mesh};
+use greenstick_wood::stem::{FoundStem, StemError, StemOptions, find_stem};
 use std::path::Path;
 
 #[path = "../../../../../tests/support/data.rs"]
 pub mod data;
+
+/// The stem at a place of meshes, found as it is without being told anything of it.
+pub fn stem_at(meshes: &[Mesh], place: &str) -> Result<FoundStem, StemError> {
+    let options = StemOptions::default();
+    find_stem(meshes, &place.parse().unwrap(), &options, &Context::quiet())
+}
 
 fn fan(mesh: &mut Mesh, corners: &[u32]) {
     for k in 1..corners.len() - 1 {
