@@ -1,5 +1,5 @@
 // Drives the studio's page in Chromium as a person would: loads it, clicks on the stem, drags a slider, exports, loses its graphics card, drops
-// files, stops work. What it exports has to equal what the command line makes of the same project, byte for byte, and pass the Khronos validator.
+// files, pulls on the wood, stops work. What it exports has to equal what the command line makes of the same project, byte for byte, and pass the Khronos validator.
 // Usage: node page.mjs FOLDER_OF_NODE_MODULES PAGE GREENSTICK MESH FOLDER [webgl|webgpu]. Needs Chromium, which draws on the processor.
 import { execFileSync } from 'node:child_process';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
@@ -244,6 +244,31 @@ const photograph = await page.evaluate(async () => {
 await drop('photograph.png', Uint8Array.from(photograph));
 await wait('a photograph over the picture', async () => (await violet_pixels()) > 20000);
 await shot('photograph');
+
+// The wood is pulled on by hand: a worker moves it frame by frame, while others are drawn.
+const frames = () => page.evaluate(() => performance.getEntriesByName('frame').length);
+await page.goto('about:blank');
+await page.goto(address);
+await wait('a picture before a simulation', async () => (await pictures()) > 0);
+await page.keyboard.press('l');
+await wait('the wood at rest', async () => (await frames()) > 0);
+await rest(3000);
+await shot('held');
+// The middle of the stem is that of the viewport, which has no panel on its left now.
+const wood = { x: (WIDTH - 348) / 2, y: box.y + 332 };
+await page.mouse.move(wood.x, wood.y);
+await page.mouse.down();
+for (let i = 1; i <= 10; i += 1) await page.mouse.move(wood.x - 3 * i, wood.y + 9 * i);
+await page.mouse.up();
+const at_rest = await frames();
+await wait('wood that moves', async () => (await frames()) >= at_rest + 5);
+await shot('pulled');
+await page.keyboard.press('Escape');
+await rest(3000);
+const given_up = await frames();
+await rest(6000);
+check('that the wood rests after a stop', (await frames()) <= given_up + 1);
+console.log(`page: the wood was pulled on, and ${given_up} frames of it were drawn`);
 
 // A mesh of one's own, by the settings as they come, and by other seeds.
 await page.goto('about:blank');

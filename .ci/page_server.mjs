@@ -5,8 +5,8 @@ import { basename, extname, join } from 'node:path';
 
 const TYPES = { '.html': 'text/html', '.js': 'text/javascript', '.wasm': 'application/wasm' };
 
-/** Any server will do: no headers of its own are needed. */
-export async function serve(page_folder) {
+/** Any server will do: no headers of its own are needed. Texts of `before` are put before the files of their names. */
+export async function serve(page_folder, before = {}) {
   const server = createServer((request, response) => {
     const name = new URL(request.url, 'http://page').pathname;
     const file = join(page_folder, name === '/' ? 'index.html' : basename(name));
@@ -15,6 +15,7 @@ export async function serve(page_folder) {
       return;
     }
     response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' });
+    response.write(before[basename(file)] ?? '');
     createReadStream(file).pipe(response);
   });
   await new Promise((done) => server.listen(0, '127.0.0.1', done));

@@ -37,10 +37,16 @@ def press(key):
     time.sleep(2)
 
 
-def enter_until(what, path):
-    """Presses Return until a file is there: the dialog that it accepts may take its time to appear."""
+def enter_until(what, key, path):
+    """Opens a dialog by a key and presses Return until a file is there: the dialog may take its time to appear. Keys that come while
+    the window is busy may be lost: after half a minute without a file the key is pressed again."""
+    tries = 0
 
     def is_there():
+        nonlocal tries
+        if tries % 10 == 0:
+            press(key)
+        tries += 1
         press("Return")
         return is_complete(path)
 
@@ -79,13 +85,27 @@ def drive(studio, mesh, folder):
         number = wait_for("a window", lambda: xdotool("search", "--name", mesh.name))
         xdotool("windowfocus", number.splitlines()[0])
         time.sleep(8)
-        drag_a_slider()
-        press("ctrl+s")
         project = folder / f"{mesh.stem}.greenstick.toml"
-        enter_until("a saved project", project)
-        press("ctrl+e")
+        enter_until("a saved project", "ctrl+s", project)
+        before = project.read_bytes()
+
+        # A busy machine may not have drawn the panel yet.
+        def is_changed():
+            drag_a_slider()
+            press("ctrl+s")
+            return is_complete(project) and project.read_bytes() != before
+
+        wait_for("a change of the project by a slider", is_changed)
+
+        # Nor may it have followed the mouse to the end.
+        def is_settled():
+            saved = project.read_bytes()
+            press("ctrl+s")
+            return is_complete(project) and project.read_bytes() == saved
+
+        wait_for("the end of the change", is_settled)
         pieces = folder / "broken.glb"
-        enter_until("an export", pieces)
+        enter_until("an export", "ctrl+e", pieces)
         press("ctrl+q")
         code = window.wait(PATIENCE)
         if code != 0:

@@ -133,6 +133,12 @@ impl CrackFace {
         self.height_across(self.look.point(place.0, place.1))
     }
 
+    /// The point of the picture where the face is at a place of the section.
+    pub fn face_point(&self, place: Polar) -> Vec3 {
+        let across = self.look.point(place.0, place.1);
+        self.point_across(across, self.height_across(across))
+    }
+
     /// The height of the face at grain coordinates, between those of the cells around them.
     fn height_across(&self, across: Vec2) -> f32 {
         let at = (across / self.half * 0.5 + 0.5) * CELLS as f32 - 0.5;

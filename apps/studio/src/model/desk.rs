@@ -1,116 +1,25 @@
-//! The work of a page: what its worker is asked, and what it answers, as bytes that both can read. Nothing here knows of browsers.
+//! The work of a page: its worker does what is asked, and answers. Nothing here knows of browsers.
 
 use super::engine::{Early, Engine, Failure, Haste, Job, Shown, export, unbroken};
 use super::held::{HeldFile, last_name, main_name, read_input, read_project};
 use super::input::{Input, Seen};
-use super::meshes::DrawnScene;
+use super::messages::{Answer, Ask, OpenedFiles};
 use super::photograph::{PICTURE_SIDE, reduced};
+use super::simulation_desk::SimulationDesk;
 use greenstick::RequestFile;
 use greenstick::files::encode;
 use greenstick::formats::LengthUnit;
 use greenstick::formats::photograph::{Photograph, read_photograph};
 use greenstick::geometry::Context;
-use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// What is asked. Requests are in the form of project files; 0 is the number of the built-in branch.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Ask {
-    /// To keep the files that come along as the input of a number; `unit` is a word that units are read by.
-    Hold {
-        /// The number.
-        input: u64,
-        /// The unit of length in them.
-        unit: Option<String>,
-    },
-    /// What the viewport shows.
-    Show {
-        /// The number of the question.
-        number: u64,
-        /// The number of the input.
-        input: u64,
-        /// The request.
-        request: String,
-        /// How much of it is wanted.
-        haste: Haste,
-        /// The number of the break of whose stem sections are wanted, if they are.
-        sections_of: Option<usize>,
-    },
-    /// What the files that come along are.
-    Open {
-        /// The unit of length in them.
-        unit: Option<String>,
-    },
-    /// The photograph that comes along.
-    Picture,
-    /// The pieces of the files that come along, or of the built-in branch without any, as files.
-    Export {
-        /// The request.
-        request: String,
-        /// The name of the main file; its ending decides the format.
-        path: String,
-    },
-}
-
-/// What files are.
-#[derive(Debug, Serialize, Deserialize)]
-pub struct OpenedFiles {
-    /// The name of the mesh or scan, and what the window needs to know of it; none for the built-in branch.
-    pub input: Option<(String, Seen)>,
-    /// The project or recipe among them, as its file.
-    pub request: Option<String>,
-    /// The name of the file that the project is about, where it did not come along.
-    pub missing: Option<String>,
-}
-
-/// What is answered.
-#[derive(Debug, Serialize, Deserialize)]
-pub enum Answer {
-    /// Questions can be asked now.
-    Ready,
-    /// How far the work is.
-    Progress {
-        /// The name of its stage.
-        stage: String,
-        /// 0 to 1.
-        overall: f64,
-    },
-    /// The program has a fault: what it said before it ended.
-    Fault(String),
-    /// What the viewport shows before the answer is finished, with the number of the question.
-    Drawn(u64, Box<DrawnScene>),
-    /// The finished answer, with the number of the question; none where only what is drawn was wanted.
-    Shown(u64, Result<Option<Box<Shown>>, Failure>),
-    /// What files are.
-    Opened(Result<Box<OpenedFiles>, Failure>),
-    /// Width, height and colours, as of a [`Photograph`], of a photograph that is small enough to be shown.
-    Pictured(Result<(u32, u32, Vec<u8>), Failure>),
-    /// The names of the pieces' files, which come along.
-    Exported(Result<Vec<String>, Failure>),
-}
-
-/// Writes a question or an answer.
-///
-/// # Errors
-/// Where it cannot be written; that is a fault of the program.
-pub fn to_bytes<T: Serialize>(value: &T) -> Result<Vec<u8>, String> {
-    postcard::to_stdvec(value).map_err(|e| e.to_string())
-}
-
-/// Reads a question or an answer.
-///
-/// # Errors
-/// Where the bytes are none.
-pub fn from_bytes<'a, T: Deserialize<'a>>(bytes: &'a [u8]) -> Result<T, String> {
-    postcard::from_bytes(bytes).map_err(|e| e.to_string())
-}
-
 /// Where the work is done.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Desk {
     engine: Engine,
     /// The input that is kept.
     input: Option<Input>,
+    simulations: SimulationDesk,
 }
 
 fn unit_of(word: Option<&str>) -> Option<LengthUnit> {
@@ -155,6 +64,11 @@ impl Desk {
                 let opened = open(&files, unit_of(unit.as_deref()));
                 Answer::Opened(opened.map(Box::new))
             }
+            Ask::Simulation(ask) => {
+                let held = &self.input;
+                let input = |number| held_input(held.as_ref(), number);
+                return self.simulations.answer(ask, input, early, context);
+            }
             Ask::Picture => Answer::Pictured(picture(&files)),
             Ask::Export { request, path } => match pieces(&files, &request, &path, context) {
                 Ok(pieces) => {
@@ -174,16 +88,7 @@ impl Desk {
         early: Early,
         context: &Context,
     ) -> Result<Option<Shown>, Failure> {
-        let held = self.input.as_ref().filter(|i| i.id == input);
-        let input = match held {
-            Some(held) => held.clone(),
-            None if input == 0 => Input::built_in(),
-            None => {
-                return Err(Failure::new(
-                    "the file can no longer be read: open it again",
-                ));
-            }
-        };
+        let input = held_input(self.input.as_ref(), input)?;
         let job = Job {
             input,
             file: request_of(request)?,
@@ -191,6 +96,17 @@ impl Desk {
             sections_of,
         };
         Ok(self.engine.work(&job, early, context)?)
+    }
+}
+
+/// The input of a number: the one that is held, or the built-in branch.
+fn held_input(held: Option<&Input>, number: u64) -> Result<Input, Failure> {
+    match held.filter(|i| i.id == number) {
+        Some(held) => Ok(held.clone()),
+        None if number == 0 => Ok(Input::built_in()),
+        None => Err(Failure::new(
+            "the file can no longer be read: open it again",
+        )),
     }
 }
 

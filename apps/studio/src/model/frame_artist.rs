@@ -146,11 +146,6 @@ impl FrameArtist {
         Ok(broke <= frame.time)
     }
 
-    /// Forgets when the wood first broke: the run goes on otherwise than it did.
-    pub fn forget_breaks(&mut self) {
-        self.broke = None;
-    }
-
     fn make_whole(&self) -> Result<Wood, Failure> {
         let context = Context::silent(self.token.clone());
         let mut run = open_run(self.source.clone(), &self.meshes, &context)?;

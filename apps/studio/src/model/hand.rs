@@ -7,7 +7,6 @@
 //! *Theory of Elasticity*, § 21).
 
 use super::holds::{Hold, HoldPart, Moved, Steered};
-#[cfg(not(target_arch = "wasm32"))]
 use greenstick::fibre::scene::{
     ClampKeys, HeldAxes, KeyFrame, Scene as Setting, SolverChoice, StemChoice,
 };
@@ -21,7 +20,6 @@ const FARTHEST: f64 = 0.8;
 /// How far it pulls along, as a part of the same wood: wood tears at a strain of one or two hundredths.
 const FARTHEST_ALONG: f64 = 0.2;
 /// The shortest time that a hand which is steered takes, as a part of the longest: what is moved sooner is hit.
-#[cfg(not(target_arch = "wasm32"))]
 const SHORTEST_WAY: f64 = 0.2;
 /// The end of a cantilever turns by this, times its deflection over its length.
 const CANTILEVER: f64 = 1.5;
@@ -119,7 +117,6 @@ fn round(x: f64) -> f64 {
 }
 
 /// Nine digits: finer than any step of a solver needs, and files can be read.
-#[cfg(not(target_arch = "wasm32"))]
 fn fine(x: f64) -> f64 {
     (x * 1e9).round() / 1e9 + 0.0
 }
@@ -164,7 +161,6 @@ pub fn grip_at(holds: &[Hold], at: f64) -> Result<Grip, String> {
 ///
 /// # Errors
 /// Why it cannot, and what to do.
-#[cfg(not(target_arch = "wasm32"))]
 pub fn can_pull(setting: &Setting) -> Result<(), String> {
     let instead = "Choose another scene, or Pull on the wood in the File menu with a mesh open.";
     if setting.clamp.iter().any(|c| c.arc) {
@@ -194,7 +190,6 @@ pub type HandPlace = (f64, [f64; 3]);
 /// steered elsewhere, as long as its way is in parts of the longest, and for the rest of the time it rests.
 ///
 /// The places until it is steered follow from what was before alone.
-#[cfg(not(target_arch = "wasm32"))]
 pub fn hand_way(setting: &Setting, hand: &Moved) -> Vec<HandPlace> {
     let clamps: Vec<[f64; 2]> = setting.clamp.iter().map(|c| [c.from, c.to]).collect();
     let lever = grip(&clamps, hand.at).map_or(1.0, |g| g.lever());
@@ -223,7 +218,6 @@ pub fn hand_way(setting: &Setting, hand: &Moved) -> Vec<HandPlace> {
 }
 
 /// Frames that a hand takes from one place to another, where the longest way takes `whole`.
-#[cfg(not(target_arch = "wasm32"))]
 fn frames_of(from: [f64; 3], to: [f64; 3], lever: f64, whole: u32) -> u32 {
     let by = [0, 1, 2].map(|i| to[i] - from[i]);
     let along = (by[0].abs() / (FARTHEST_ALONG * lever)).min(2.0);
@@ -233,7 +227,6 @@ fn frames_of(from: [f64; 3], to: [f64; 3], lever: f64, whole: u32) -> u32 {
 }
 
 /// A hand on a scene without it that is steered from the first of its frames on which is not before `time` (s) to another place.
-#[cfg(not(target_arch = "wasm32"))]
 pub fn steered(setting: &Setting, hand: &Moved, time: f64, by: [f64; 3]) -> Moved {
     steered_on_way(&hand_way(setting, hand), hand, time, by)
 }
@@ -270,7 +263,6 @@ pub fn steered_on_way(way: &[HandPlace], hand: &Moved, time: f64, by: [f64; 3]) 
 
 /// Adds a hand to a scene, which then lasts until it has pulled as far as it was steered. A scene by hand that nobody pulls in has one
 /// frame.
-#[cfg(not(target_arch = "wasm32"))]
 pub fn add_hand(setting: &mut Setting, hand: &Moved) {
     let clamps: Vec<[f64; 2]> = setting.clamp.iter().map(|c| [c.from, c.to]).collect();
     let Ok(grip) = grip(&clamps, hand.at) else {
@@ -297,7 +289,7 @@ pub fn add_hand(setting: &mut Setting, hand: &Moved) {
     });
 }
 
-#[cfg(all(test, not(target_arch = "wasm32")))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use greenstick::fibre::scene::BUILT_IN;

@@ -1,7 +1,7 @@
 //! Where a scene holds, pushes and pulls its stem, and other places for that: clamps, forces and bodies along the stem.
 
-#[cfg(not(target_arch = "wasm32"))]
 use greenstick::fibre::scene::Scene as Setting;
+use serde::{Deserialize, Serialize};
 
 /// Least length of a clamp, as a part of the stem.
 const SHORTEST: f64 = 0.01;
@@ -9,7 +9,7 @@ const SHORTEST: f64 = 0.01;
 const PARTS: f64 = 1000.0;
 
 /// What stands somewhere along the stem, by its number among its kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum HoldPart {
     /// The end of a clamp that is nearer to the stem's base.
     ClampFrom(usize),
@@ -24,7 +24,7 @@ pub enum HoldPart {
 }
 
 /// Something that holds, pushes or pulls the stem.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Hold {
     /// What it is.
     pub part: HoldPart,
@@ -39,7 +39,7 @@ pub struct Hold {
 }
 
 /// A pull that was given up for another while the run went on.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Steered {
     /// The frame in which the hand was steered elsewhere.
     pub frame: u32,
@@ -48,7 +48,7 @@ pub struct Steered {
 }
 
 /// Where a part of a scene is put, and how far it pulls.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Moved {
     /// The part.
     pub part: HoldPart,
@@ -88,7 +88,6 @@ pub fn dragged(holds: &[Hold], part: HoldPart, at: f64) -> f64 {
 }
 
 /// What of a scene stands somewhere along its stem.
-#[cfg(not(target_arch = "wasm32"))]
 pub fn holds_of(setting: &Setting) -> Vec<Hold> {
     let mut holds = Vec::new();
     let mut hold = |part, name: String, at| {
@@ -119,7 +118,6 @@ pub fn holds_of(setting: &Setting) -> Vec<Hold> {
 }
 
 /// Moves parts of a scene. The hand is no part of it yet.
-#[cfg(not(target_arch = "wasm32"))]
 pub fn move_holds(setting: &mut Setting, moved: &[Moved]) {
     for Moved { part, at, .. } in moved {
         let place = match *part {
@@ -135,7 +133,7 @@ pub fn move_holds(setting: &mut Setting, moved: &[Moved]) {
     }
 }
 
-#[cfg(all(test, not(target_arch = "wasm32")))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use greenstick::fibre::scene::BUILT_IN;

@@ -100,6 +100,15 @@ impl Input {
         }
     }
 
+    /// What was made where the work is done, with the bytes of the GLB file that it will be kept in.
+    pub fn made_elsewhere(seen: Seen, file: Vec<u8>) -> Self {
+        Input {
+            path: None,
+            made: Some(Arc::new(file)),
+            ..Input::elsewhere(String::new(), seen)
+        }
+    }
+
     /// Whether it is the branch that comes with the program.
     pub fn is_built_in(&self) -> bool {
         self.path.is_none() && self.made.is_none()
@@ -109,6 +118,15 @@ impl Input {
     pub fn file_name(&self) -> Option<&str> {
         let path = self.path.as_deref()?;
         path.rsplit(['/', '\\']).next()
+    }
+
+    /// Whether it is of meshes, not of the points of a scan.
+    pub fn is_mesh(&self) -> bool {
+        match &*self.content {
+            InputContent::Mesh(_) => true,
+            InputContent::Cloud(_) => false,
+            InputContent::Elsewhere(seen) => seen.unbroken.is_some(),
+        }
     }
 
     /// Whether its vertical is z, as that of scans is; meshes have y up, as in glTF.

@@ -167,10 +167,20 @@ fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 impl WoodLook {
     /// Ring coordinate of a place of the section (grain coordinates, m), and its angle about the pith, rad.
     pub fn address(&self, across: Vec2) -> (f32, f32) {
+        let from_pith = across - self.pith();
+        (self.rho(from_pith), from_pith.y.atan2(from_pith.x))
+    }
+
+    /// Where the pith is, grain coordinates, m.
+    fn pith(&self) -> Vec2 {
+        Vec2::new(self.numbers.middle[0], self.numbers.middle[1])
+    }
+
+    /// Ring coordinate of a place counted from the pith, m.
+    fn rho(&self, from_pith: Vec2) -> f32 {
         let square = self.numbers.square;
         let last = self.field_side.max(1) as usize - 1;
         let n = self.field_side as f32;
-        let from_pith = across - Vec2::new(self.numbers.middle[0], self.numbers.middle[1]);
         let t = (from_pith - Vec2::new(square[0], square[1])) / square[2] * n - 0.5;
         let low = t.floor();
         let f = t - low;
@@ -179,24 +189,22 @@ impl WoodLook {
             self.field[at(low.y, dy) * (last + 1) + at(low.x, dx)][0]
         };
         let row = |dy| texel(0, dy) + (texel(1, dy) - texel(0, dy)) * f.x;
-        let rho = row(0) + (row(1) - row(0)) * f.y;
-        (rho, from_pith.y.atan2(from_pith.x))
+        row(0) + (row(1) - row(0)) * f.y
     }
 
     /// The place of the section (grain coordinates, m) with a ring coordinate at an angle: the inverse of [`WoodLook::address`].
     pub fn point(&self, rho: f32, angle: f32) -> Vec2 {
-        let pith = Vec2::new(self.numbers.middle[0], self.numbers.middle[1]);
         let direction = Vec2::from_angle(angle);
         let (mut low, mut high) = (0.0, 0.5 * self.numbers.square[2]);
         for _ in 0..24 {
             let middle = 0.5 * (low + high);
-            if self.address(pith + direction * middle).0 < rho {
+            if self.rho(direction * middle) < rho {
                 low = middle;
             } else {
                 high = middle;
             }
         }
-        pith + direction * (0.5 * (low + high))
+        self.pith() + direction * (0.5 * (low + high))
     }
 
     /// Ring coordinates at which tissues begin that follow no ring: the ends of the pith, of the wood and of the inner bark.

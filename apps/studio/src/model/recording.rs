@@ -13,7 +13,7 @@ const MOST_STATES: usize = 64;
 /// Most vertices of rods that the kept states have together, each of which takes about a kilobyte with its bonds.
 const MOST_VERTICES: usize = 400_000;
 /// Seconds by which the end of a scene and a state there may differ.
-const SAME_TIME: f64 = 1e-9;
+pub const SAME_TIME: f64 = 1e-9;
 
 /// A state that a run can go on from.
 #[derive(Clone)]

@@ -67,7 +67,7 @@ impl From<SimulatedFacesError> for Failure {
 }
 
 /// Puts a scene on a stem, at a place. Returns the meshes with the stem; none of the built-in branch, which has no file and which
-/// scenes make themselves.
+/// scenes make themselves, nor where the meshes are elsewhere.
 ///
 /// # Errors
 /// Where the stem is that of a scan, whose bark is still to be laid.
@@ -82,11 +82,15 @@ pub fn put_on(
         (setting.stem.length, setting.stem.diameter) = (branch.length, branch.diameter);
         return Ok(None);
     }
-    let InputContent::Mesh(scene) = &*input.content else {
-        return Err(Failure::new(format!(
-            "{}: a scan has no bark yet that could be simulated; export its bark as a mesh, and open that",
-            input.title()
-        )));
+    let scene = match &*input.content {
+        InputContent::Mesh(scene) => Some(scene.clone()),
+        InputContent::Elsewhere(seen) if seen.unbroken.is_some() => None,
+        _ => {
+            return Err(Failure::new(format!(
+                "{}: a scan has no bark yet that could be simulated; export its bark as a mesh, and open that",
+                input.title()
+            )));
+        }
     };
     (setting.stem.kind, setting.stem.at) = (StemChoice::Input, place);
     if let Some(format) = (input.path.as_deref()).and_then(|p| InputFormat::from_path(Path::new(p)))
@@ -98,15 +102,26 @@ pub fn put_on(
         };
         setting.stem.up = setting.stem.up.or(Some(up));
     }
-    Ok(Some(scene.clone()))
+    Ok(scene)
+}
+
+/// What a run is to do after a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Wish {
+    /// To go on.
+    GoOn,
+    /// To stop, as the hand is to pull elsewhere: so many parts of the stem's length along the axes of the scene.
+    Steer([f64; 3]),
+    /// To stop until it is gone on with.
+    Rest,
 }
 
 /// What a run tells, and asks.
 pub struct Listener<'a> {
     /// Is told of each frame.
     pub tell: &'a (dyn Fn(&dyn RunSource) + Sync),
-    /// Is asked when a frame can be gone on from; says where else the hand is to pull to, if so.
-    pub steer: &'a (dyn Fn() -> Option<[f64; 3]> + Sync),
+    /// Is asked when a frame can be gone on from.
+    pub ask: &'a (dyn Fn() -> Wish + Sync),
 }
 
 /// How a run came to an end.
@@ -115,6 +130,8 @@ pub enum Ended {
     Over(Outcome),
     /// The hand is to pull elsewhere from its last frame on.
     Steered([f64; 3]),
+    /// It rests after its last frame.
+    Resting,
 }
 
 /// Records a run and tells of each frame.
@@ -123,8 +140,8 @@ struct Telling<'a> {
     listener: &'a Listener<'a>,
     /// Frames after which the run was asked whether to go on.
     asked: u64,
-    /// Where the hand is to pull to, once that is asked for.
-    steered: Option<[f64; 3]>,
+    /// What it was told last.
+    wish: Wish,
 }
 
 impl RunSink for Telling<'_> {
@@ -164,11 +181,12 @@ impl RunSink for Telling<'_> {
         // Only a frame is stopped at: else there would be more stops than steps.
         if frames > self.asked {
             self.asked = frames;
-            self.steered = (self.listener.steer)();
+            self.wish = (self.listener.ask)();
         }
-        match self.steered {
-            Some(_) => Err(RunError::Other("the hand is steered elsewhere".into())),
-            None => Ok(()),
+        match self.wish {
+            Wish::GoOn => Ok(()),
+            Wish::Steer(_) => Err(RunError::Other("the hand is steered elsewhere".into())),
+            Wish::Rest => Err(RunError::Other("the run rests".into())),
         }
     }
 }
@@ -228,11 +246,12 @@ pub fn run(
         recording: recording.clone(),
         listener,
         asked: frames,
-        steered: None,
+        wish: Wish::GoOn,
     };
     let simulated = simulate(&request, &mut telling, context);
-    match (simulated, telling.steered) {
-        (Err(_), Some(by)) => Ok(Ended::Steered(by)),
+    match (simulated, telling.wish) {
+        (Err(_), Wish::Steer(by)) => Ok(Ended::Steered(by)),
+        (Err(_), Wish::Rest) => Ok(Ended::Resting),
         (report, _) => Ok(Ended::Over(outcome(&report?))),
     }
 }

@@ -9,6 +9,7 @@ use glam::Vec3;
 use greenstick::BreakRequest;
 use greenstick::formats::LengthUnit;
 use greenstick::wood::stem::StemLocation;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// A scene that comes with the program.
@@ -23,7 +24,7 @@ pub struct SceneEntry {
 }
 
 /// What is simulated.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Source {
     /// A scene that comes with the program, by its name.
     BuiltIn(String),
@@ -64,7 +65,7 @@ pub struct SimulationJob {
 }
 
 /// How a frame is drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Look {
     /// As the rods that are moved.
     Rods,
@@ -76,7 +77,7 @@ pub enum Look {
 }
 
 /// A curve of a chart.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Line {
     /// Its name.
     pub name: String,
@@ -88,7 +89,7 @@ pub struct Line {
 const NOTHING: f64 = 1e-15;
 
 /// A chart.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Chart {
     /// What its axes measure, with units.
     pub axes: [String; 2],
@@ -121,7 +122,7 @@ impl Chart {
 }
 
 /// What is recorded so far.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Recorded {
     /// Times of the frames, s.
     pub times: Vec<f64>,
@@ -132,7 +133,7 @@ pub struct Recorded {
 }
 
 /// How a simulation ended.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outcome {
     /// What became of the wood: names and values.
     pub facts: Vec<(String, String)>,
@@ -154,18 +155,19 @@ pub struct Taken {
 }
 
 /// A frame as it is drawn.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct DrawnFrame {
     /// The meshes.
     pub scene: DrawnScene,
     /// Radius of the sphere about the middle that held everything before it moved, m: what flies off does not count.
     pub rest_radius: f64,
     /// The axis of the stem before it moved, in even steps.
+    #[serde(with = "super::wire::axis")]
     pub axis: Arc<Vec<Vec3>>,
 }
 
 /// What is known of a simulation when it begins.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct Begun {
     /// What its scene shows, in a sentence.
     pub about: String,
@@ -178,7 +180,7 @@ pub struct Begun {
 }
 
 /// What is told of a simulation.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub enum News {
     /// It begins.
     Begun(Begun),
@@ -193,6 +195,7 @@ pub enum News {
     /// A frame as it is drawn.
     Frame(usize, Look, Box<DrawnFrame>),
     /// The break that it left.
+    #[serde(skip)]
     Taken(Result<Box<Taken>, Failure>),
 }
 

@@ -122,6 +122,10 @@ through! {
     vector: Vec3, [f32; 3], Vec3::to_array, Vec3::from_array;
     /// Two directions.
     vectors: [Vec3; 2], [[f32; 3]; 2], |v| v.map(|v| v.to_array()), |v| v.map(Vec3::from_array);
+    /// Lines of points of the picture.
+    axis: Arc<Vec<Vec3>>, Vec<[f32; 3]>,
+        |line| line.iter().map(|p| p.to_array()).collect(),
+        |line| Arc::new(line.into_iter().map(Vec3::from_array).collect());
     /// Places on a stem.
     place: Option<StemLocation>, Option<(u8, [f64; 3])>, |place| place.map(place_numbers), |place| place.map(place_of);
     /// Textures.

@@ -5,19 +5,18 @@ use super::working::{Wake, Working};
 use super::{Done, WorkProgress};
 use crate::model::engine::Failure;
 use crate::model::frame_artist::FrameArtist;
-use crate::model::hand::{BY_HAND, add_hand, can_pull, hand_way, steered};
-use crate::model::holds::{Moved, hand_of, holds_of, move_holds};
 use crate::model::input::{Input, InputContent};
+use crate::model::job_scene::{JobScene, KeptRun, begun_before, own_setting};
 use crate::model::recording::Recording;
 use crate::model::simulated::{
-    Ended, EndedRun, Listener, RunStem, put_on, recorded, recorded_outcome, run, time_of,
+    Ended, EndedRun, Listener, RunStem, Wish, recorded, recorded_outcome, run, time_of,
 };
 use crate::model::simulation::{Begun, Look, News, Outcome, SimulationJob, Source};
-use greenstick::fibre::scene::{Scene as Setting, StemChoice};
+use greenstick::fibre::scene::Scene as Setting;
 use greenstick::files;
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::formats::{Content, Reach};
-use greenstick::geometry::{Context, Scene as Meshes, Stage};
+use greenstick::geometry::{Context, Stage};
 use greenstick::schema::write_toml;
 use greenstick::simulate::{RunSource, SceneMeshes};
 use std::path::{Path, PathBuf};
@@ -41,26 +40,6 @@ struct Current {
     ended: Arc<Mutex<Option<EndedRun>>>,
     /// What the next simulation may go on from.
     kept: Arc<Mutex<Option<KeptRun>>>,
-}
-
-/// A run whose states are kept, so that one which begins as it did can go on from there.
-struct KeptRun {
-    job: SimulationJob,
-    /// Its scene, with the hand.
-    setting: Setting,
-    recording: Recording,
-}
-
-impl KeptRun {
-    /// The run of a scene (with the hand) of another job, as far as this one is the same.
-    fn branch(&self, job: &SimulationJob, setting: &Setting) -> Option<Recording> {
-        let stem = |job: &SimulationJob| job.stem.as_ref().map(|(stem, place)| (stem.id, *place));
-        let of = |job: &SimulationJob| (job.source.clone(), job.own, stem(job));
-        // The meshes of bodies are read from files, which may be others by now.
-        let is_known = setting.body.iter().all(|b| b.file.is_empty());
-        let same = is_known && of(&self.job) == of(job);
-        same.then(|| self.recording.branch(&self.setting, setting))?
-    }
 }
 
 /// Simulates beside the window.
@@ -210,80 +189,17 @@ fn draw_frames(queue: &Receiver<(usize, Look)>, artist: &Artist, teller: &Teller
     }
 }
 
-/// A scene that is ready to be run, and where its files are.
+/// The scene of a source, and where its files are.
 fn read_scene(source: &Source) -> Result<(Setting, PathBuf), Failure> {
-    match source {
-        Source::BuiltIn(name) => {
-            let setting = Setting::built_in(name).map_err(Failure::new)?;
-            Ok((setting, PathBuf::new()))
-        }
-        Source::ByHand => {
-            let setting = Setting::read(BY_HAND).map_err(Failure::new)?;
-            Ok((setting, PathBuf::new()))
-        }
-        Source::File(path) | Source::Run(path) => {
-            let path = Path::new(path);
-            let text = files::read_text(path).map_err(Failure::new)?;
-            let setting = Setting::read(&text)
-                .map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
-            let beside = path.parent().unwrap_or(Path::new(""));
-            Ok((setting, beside.to_owned()))
-        }
-    }
-}
-
-/// The scene of a job.
-struct JobScene {
-    /// The scene, with its parts where they were moved, without the hand.
-    setting: Setting,
-    /// The hand.
-    hand: Option<Moved>,
-    /// Where its files are.
-    beside: PathBuf,
-    /// The stem at hand, where the scene is put on that.
-    stem: Option<RunStem>,
-    /// What a window needs to know.
-    begun: Begun,
-    /// The meshes that the scene is put on.
-    input: Option<Meshes>,
-}
-
-/// A scene with a hand.
-fn with_hand(setting: &Setting, hand: Option<&Moved>) -> Setting {
-    let mut setting = setting.clone();
-    if let Some(hand) = hand {
-        add_hand(&mut setting, hand);
-    }
-    setting
-}
-
-fn job_scene(job: &SimulationJob) -> Result<JobScene, Failure> {
-    let (mut setting, beside) = read_scene(&job.source)?;
-    let is_on_input = setting.stem.kind == StemChoice::Input;
-    let (mut input, mut stem) = (None, None);
-    if let Some((at_hand, place)) = job.stem.as_ref().filter(|_| job.own || is_on_input) {
-        let place = if job.own { *place } else { setting.stem.at };
-        input = put_on(&mut setting, at_hand, place)?;
-        stem = Some((at_hand.clone(), None));
-    }
-    let pull = can_pull(&setting);
-    move_holds(&mut setting, &job.moved);
-    let hand = hand_of(&job.moved);
-    let way = hand.as_ref().map(|hand| hand_way(&setting, hand));
-    let begun = Begun {
-        about: setting.about.clone(),
-        holds: holds_of(&setting),
-        pull,
-        hand_way: way.unwrap_or_default(),
+    let path = match source {
+        Source::File(path) | Source::Run(path) => Path::new(path),
+        Source::BuiltIn(_) | Source::ByHand => return Ok((own_setting(source)?, PathBuf::new())),
     };
-    Ok(JobScene {
-        setting,
-        hand,
-        beside,
-        stem,
-        begun,
-        input,
-    })
+    let text = files::read_text(path).map_err(Failure::new)?;
+    let setting =
+        Setting::read(&text).map_err(|e| Failure::new(format!("{}: {e}", path.display())))?;
+    let beside = path.parent().unwrap_or(Path::new(""));
+    Ok((setting, beside.to_owned()))
 }
 
 /// Writes the scene of a job, with parts of it where they were moved.
@@ -291,13 +207,8 @@ fn job_scene(job: &SimulationJob) -> Result<JobScene, Failure> {
 /// # Errors
 /// Where it cannot be read or written, or would no longer find the meshes of its bodies.
 pub fn save_scene(path: &str, job: &SimulationJob) -> Result<(), Failure> {
-    let JobScene {
-        setting,
-        hand,
-        beside,
-        ..
-    } = job_scene(job)?;
-    let setting = with_hand(&setting, hand.as_ref());
+    let (setting, beside) = read_scene(&job.source)?;
+    let setting = JobScene::new(setting, job)?.0.with_hand();
     let path = Path::new(path);
     let whole = |folder: &Path| std::path::absolute(folder).map_err(Failure::new);
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -329,45 +240,40 @@ impl Shared {
     fn run(
         &self,
         job: &SimulationJob,
-        (setting, hand, meshes): (&Setting, Option<Moved>, &SceneMeshes),
+        (scene, meshes): (&mut JobScene, &SceneMeshes),
         recording: &Recording,
         teller: &Teller,
         context: &Context,
     ) -> Result<Outcome, Failure> {
         let tell = |source: &dyn RunSource| teller.tell(News::Recorded(recorded(source)));
-        let steer = || {
+        let ask = || {
             self.gate.pass(&self.working.token);
-            locked(&self.steer).take()
+            match locked(&self.steer).take() {
+                Some(by) => Wish::Steer(by),
+                None => Wish::GoOn,
+            }
         };
         let listener = Listener {
             tell: &tell,
-            steer: &steer,
+            ask: &ask,
         };
-        let mut hand = hand;
         loop {
-            let scene = with_hand(setting, hand.as_ref());
+            let setting = scene.with_hand();
             *locked(&self.kept) = Some(KeptRun {
                 job: job.clone(),
-                setting: scene.clone(),
+                setting: setting.clone(),
                 recording: recording.clone(),
             });
-            let by = match run((scene, meshes.clone()), recording, &listener, context)? {
+            let by = match run((setting, meshes.clone()), recording, &listener, context)? {
                 Ended::Over(outcome) => return Ok(outcome),
+                Ended::Resting => continue,
                 Ended::Steered(by) => by,
             };
-            if let Some(hand) = &mut hand {
-                *hand = steered(setting, hand, time_of(recording), by);
-                let way = hand_way(setting, hand);
-                teller.tell(News::Steered(hand.clone(), way));
+            if let Some((hand, way)) = scene.steer(time_of(recording), by) {
+                teller.tell(News::Steered(hand, way));
             }
         }
     }
-}
-
-/// What the run of a scene (with the hand) begins with: the one before as far as it is the same, or nothing.
-fn begun_before(before: Option<KeptRun>, job: &SimulationJob, setting: &Setting) -> Recording {
-    let begun = before.and_then(|before| before.branch(job, setting));
-    begun.unwrap_or_default()
 }
 
 /// Runs a scene, or reads a run, and makes wood of it.
@@ -405,30 +311,22 @@ fn work(
             (source, meshes, stem)
         }
         _ => {
-            let JobScene {
-                mut setting,
-                hand,
-                beside,
-                stem,
-                begun,
-                input,
-            } = job_scene(&job)?;
+            let (setting, beside) = read_scene(&job.source)?;
+            let (mut scene, begun) = JobScene::new(setting, &job)?;
             teller.tell(News::Begun(begun));
-            if job.source == Source::ByHand && hand.is_none() {
-                // Nothing moves before a hand does.
-                setting.duration = 0.0;
-            }
-            let bodies = read_body_meshes(&setting, &beside, Reach::Folder);
+            scene.wait_for_hand(&job.source);
+            let bodies = read_body_meshes(&scene.setting, &beside, Reach::Folder);
             let meshes = SceneMeshes {
-                input,
+                input: scene.input.take(),
                 bodies: bodies.map_err(Failure::new)?,
             };
-            let recording = begun_before(before, &job, &with_hand(&setting, hand.as_ref()));
+            let recording = begun_before(before, &job, &scene.with_hand());
             let source: Arc<dyn RunSource> = Arc::new(recording.clone());
             artist_of(&source, &meshes);
             teller.tell(News::Recorded(recorded(&recording)));
-            let scene = (&setting, hand, &meshes);
-            let outcome = shared.run(&job, scene, &recording, teller, &running)?;
+            let of = (&mut scene, &meshes);
+            let outcome = shared.run(&job, of, &recording, teller, &running)?;
+            let stem = scene.stem;
             teller.tell(News::Recorded(recorded(&recording)));
             teller.tell(News::Ended(Ok(outcome)));
             (source, meshes, stem)

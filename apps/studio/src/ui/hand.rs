@@ -8,7 +8,6 @@ use super::studio::Studio;
 use crate::model::engine::Failure;
 use crate::model::hand::{Grip, HandPlace, LEAST_PULL, grip_at, pulled_to, steered_on_way};
 use crate::model::holds::{Hold, HoldPart, Moved, hand_of};
-use crate::model::input::InputContent;
 use crate::model::simulation::Source;
 use crate::view::pick::pick;
 use eframe::egui::{self, Color32, Painter, Pos2, Rect, Stroke, Ui, Vec2};
@@ -103,16 +102,8 @@ impl Studio {
     }
 
     fn begin_pulling(&mut self) {
-        let problem = match &*self.project.input.content {
-            _ if self.platform.scenes().is_empty() => {
-                "Nothing can be pulled on here: a page has one thread for its work, and simulates nothing. The program does."
-            }
-            InputContent::Cloud(_) => {
-                "A scan has no bark yet that could be pulled on. Export its bark as a mesh, and open that."
-            }
-            _ => "",
-        };
-        if !problem.is_empty() {
+        if !self.project.input.is_mesh() {
+            let problem = "A scan has no bark yet that could be pulled on. Export its bark as a mesh, and open that.";
             return self.fail(&Failure::new(problem));
         }
         self.begin_simulation(Source::ByHand, true);

@@ -8,6 +8,7 @@ use crate::model::placed_cracks::{BARK, CrackFace, Polar};
 use eframe::egui::{
     self, Color32, Key, Mesh, Modifiers, PointerButton, Pos2, Rect, RichText, Shape, Ui,
 };
+use greenstick::fracture::height_grid::HeightGrid;
 use greenstick::fracture::heights::FailureMode;
 
 /// Distance between the dabs of a stroke, in sizes of the brush, and most dabs from frame to frame.
@@ -20,6 +21,18 @@ const SIZE_STEP: f64 = 1.2;
 const TINTED: (f64, f64) = (0.75, 1.2);
 /// Opacity of the strongest tint.
 const TINT: f64 = 75.0;
+
+/// The tint of a cell, transparent where its splinters are about those of the species, which `unit` is in the grid's numbers.
+fn tint(grid: &HeightGrid, cell: usize, unit: f64) -> Color32 {
+    let torn = grid.splintering[cell] / unit.max(1e-6);
+    let blunt = grid.modes[cell] == FailureMode::Crushed || torn < TINTED.0;
+    let ((r, g, b), part) = match torn {
+        _ if blunt => ((90, 150, 240), 1.0 - torn.min(1.0)),
+        t if t > TINTED.1 => ((ACCENT.r(), ACCENT.g(), ACCENT.b()), (t - 1.0) / 2.0),
+        _ => ((0, 0, 0), 0.0),
+    };
+    Color32::from_rgba_unmultiplied(r, g, b, (TINT * part.min(1.0)) as u8)
+}
 
 impl Studio {
     /// Switches the tool on or off.
@@ -249,33 +262,36 @@ impl Studio {
         if seen.is_none_or(|pos| self.ray_at(rect, pos).1.dot(face.along()) > -0.1) {
             return;
         }
+        let count = grid.values.len();
+        let colors: Vec<Color32> = (0..count).map(|cell| tint(grid, cell, unit)).collect();
+        // Each quad lies between a cell, the next one of its ring, and those outwards of both. Those that nothing tints are left out.
+        let quads = (0..count - count % sectors).filter(|cell| cell + sectors < count);
+        let quads = quads.map(|cell| {
+            let next = cell - cell % sectors + (cell + 1) % sectors;
+            [cell, next, cell + sectors, next + sectors]
+        });
+        let tinted: Vec<[usize; 4]> = quads
+            .filter(|quad| quad.iter().any(|cell| colors[*cell].a() > 0))
+            .collect();
         let mut mesh = Mesh::default();
-        for (cell, (rho, angle)) in middles(grid).enumerate() {
-            let place = (rho as f32, angle as f32);
-            let Some(pos) = self.in_window(rect, face.point(place, face.height(place))) else {
-                return;
-            };
-            let torn = grid.splintering[cell] / unit.max(1e-6);
-            let blunt = grid.modes[cell] == FailureMode::Crushed || torn < TINTED.0;
-            let (color, part) = match torn {
-                _ if blunt => ((90, 150, 240), 1.0 - torn.min(1.0)),
-                t if t > TINTED.1 => ((ACCENT.r(), ACCENT.g(), ACCENT.b()), (t - 1.0) / 2.0),
-                _ => ((0, 0, 0), 0.0),
-            };
-            let alpha = (TINT * part.min(1.0)) as u8;
-            let (r, g, b) = color;
-            mesh.colored_vertex(pos, Color32::from_rgba_unmultiplied(r, g, b, alpha));
-        }
-        let rings = grid.values.len() / sectors;
-        for ring in 1..rings {
-            for sector in 0..sectors {
-                let next = (sector + 1) % sectors;
-                let at = |ring: usize, sector: usize| (ring * sectors + sector) as u32;
-                let [a, b] = [at(ring - 1, sector), at(ring - 1, next)];
-                let [c, d] = [at(ring, sector), at(ring, next)];
-                mesh.add_triangle(a, b, c);
-                mesh.add_triangle(b, d, c);
+        let mut vertices = vec![None; count];
+        let places: Vec<(f64, f64)> = middles(grid).collect();
+        for quad in tinted {
+            let mut corners = [0; 4];
+            for (corner, cell) in corners.iter_mut().zip(quad) {
+                if vertices[cell].is_none() {
+                    let place = (places[cell].0 as f32, places[cell].1 as f32);
+                    let Some(pos) = self.in_window(rect, face.face_point(place)) else {
+                        return;
+                    };
+                    vertices[cell] = Some(mesh.vertices.len() as u32);
+                    mesh.colored_vertex(pos, colors[cell]);
+                }
+                *corner = vertices[cell].unwrap_or_default();
             }
+            let [a, b, c, d] = corners;
+            mesh.add_triangle(a, b, c);
+            mesh.add_triangle(b, d, c);
         }
         painter.add(Shape::mesh(mesh));
     }

@@ -6,7 +6,6 @@ use super::studio::Studio;
 use crate::model::engine::Failure;
 use crate::model::history::History;
 use crate::model::holds::Moved;
-use crate::model::input::InputContent;
 use crate::model::simulation::{
     Begun, Look, News, Playback, Recorded, SceneEntry, SimulationJob, Source, Taken,
 };
@@ -36,7 +35,7 @@ impl Studio {
                     });
                 }
             });
-        let is_mesh = matches!(&*self.project.input.content, InputContent::Mesh(_));
+        let is_mesh = self.project.input.is_mesh();
         let name = format!("On the stem at hand ({})", self.project.input.title());
         ui.add_enabled(is_mesh, egui::Checkbox::new(own, name))
             .on_hover_text("Puts the scene on this stem, at its break, in place of its own stem.")

@@ -1,12 +1,20 @@
 //! The work of the page's worker, without a browser: what crosses between the two as bytes stays the same.
 
 use greenstick::RequestFile;
-use greenstick::geometry::{Context, ImageSource};
-use greenstick_studio::model::desk::{Answer, Ask, Desk, OpenedFiles, from_bytes, to_bytes};
+use greenstick::fibre::scene::Scene;
+use greenstick::geometry::{CancelToken, Context, ImageSource};
+use greenstick::simulate::{MemoryRun, RunSource, SimulateRequest, simulate};
+use greenstick_studio::model::desk::Desk;
 use greenstick_studio::model::engine::{Engine, Failure, Haste, Job, Shown};
+use greenstick_studio::model::hand::{BY_HAND, add_hand};
 use greenstick_studio::model::held::{HeldFile, read_input};
+use greenstick_studio::model::holds::{HoldPart, Moved};
 use greenstick_studio::model::input::{Input, InputContent};
+use greenstick_studio::model::messages::{Answer, Ask, OpenedFiles, from_bytes, to_bytes};
+use greenstick_studio::model::messages::{AskedSimulation, SimulationAsk};
+use greenstick_studio::model::simulation::{Look, News, Outcome, Recorded, Source};
 use std::path::Path;
+use std::sync::{Arc, Mutex};
 
 fn test_file(name: &str) -> HeldFile {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/data");
@@ -216,4 +224,157 @@ fn pieces_equal_those_of_the_command_line() {
         files[0].bytes == expected.unwrap()[0].bytes,
         "the bytes differ"
     );
+}
+
+/// A simulation that is asked for: a stem that a hand bends until it breaks.
+fn pulled(number: u64, by: f64) -> AskedSimulation {
+    let hand = Moved {
+        part: HoldPart::Hand,
+        at: 0.9,
+        by: [0.0, by, 0.0],
+        before: Vec::new(),
+    };
+    AskedSimulation {
+        number,
+        source: Source::ByHand,
+        input: 0,
+        place: None,
+        own: false,
+        moved: vec![hand],
+    }
+}
+
+/// What is told of a simulation until it is over or has so many frames, and how often it rested on the way.
+fn moved(desk: &mut Desk, first: SimulationAsk, most: usize) -> (Vec<News>, usize) {
+    let (mut all, mut rests) = (Vec::new(), 0);
+    let reached = Arc::new(Mutex::new(Vec::new()));
+    let mut next = first;
+    loop {
+        let asked = from_bytes(&to_bytes(&Ask::Simulation(next)).unwrap()).unwrap();
+        let mut early = |answer: Answer| match from_bytes(&to_bytes(&answer).unwrap()).unwrap() {
+            Answer::Simulated(_, news) => all.push(*news),
+            other => panic!("{other:?}"),
+        };
+        let context = {
+            let reached = reached.clone();
+            Context::new(CancelToken::default(), move |p| {
+                reached.lock().unwrap().push(p.overall);
+            })
+        };
+        let (answer, _) = desk.answer(asked, Vec::new(), &mut early, &context);
+        let count = |news: &News| match news {
+            News::Recorded(recorded) => recorded.times.len(),
+            _ => 0,
+        };
+        let frames = all.iter().map(count).max().unwrap_or(0);
+        match answer {
+            Some(Answer::Rested(_, false)) if frames < most => rests += 1,
+            Some(Answer::Rested(..)) => {
+                let reached = reached.lock().unwrap();
+                assert!(reached.is_sorted(), "progress ran backwards: {reached:?}");
+                let steps = reached.windows(2).map(|w| w[1] - w[0]);
+                let jump = steps.fold(0.0, f64::max);
+                assert!(jump < 0.5, "progress jumped by {jump}");
+                return (all, rests);
+            }
+            other => panic!("{other:?}"),
+        }
+        next = SimulationAsk::GoOn;
+    }
+}
+
+fn outcome(all: &[News]) -> &Outcome {
+    let ended = all.iter().find_map(|news| match news {
+        News::Ended(Ok(outcome)) => Some(outcome),
+        _ => None,
+    });
+    ended.unwrap_or_else(|| panic!("{all:?}"))
+}
+
+fn last_recorded(all: &[News]) -> &Recorded {
+    let last = all.iter().rev().find_map(|news| match news {
+        News::Recorded(recorded) => Some(recorded),
+        _ => None,
+    });
+    last.unwrap_or_else(|| panic!("{all:?}"))
+}
+
+#[test]
+fn a_simulation_of_single_frames_is_that_of_the_command_line() {
+    let asked = pulled(3, -0.15);
+    let mut setting = Scene::read(BY_HAND).unwrap();
+    add_hand(&mut setting, &asked.moved[0]);
+    let request = SimulateRequest {
+        scene: setting,
+        ..SimulateRequest::default()
+    };
+    let mut alone = MemoryRun::default();
+    let report = simulate(&request, &mut alone, &Context::quiet()).unwrap();
+
+    let mut desk = Desk::default();
+    let begin = SimulationAsk::Begin(asked.clone());
+    let (all, rests) = moved(&mut desk, begin, usize::MAX);
+    assert_eq!(last_recorded(&all).times, alone.frames().unwrap().times);
+    assert!(rests > 20, "{rests}");
+    let seen = outcome(&all);
+    assert!(seen.broke);
+    // The clock is no part of it.
+    let told = |report: &str| {
+        let lines = report.lines().filter(|l| !l.starts_with("time"));
+        lines.map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(told(&seen.report), told(&report.to_string()));
+    assert!(
+        matches!(all.last(), Some(News::Wood(_))),
+        "{:?}",
+        all.last()
+    );
+
+    // Its frames are drawn, and its break is taken with the stem that the scene made.
+    let draw = Ask::Simulation(SimulationAsk::Draw(rests / 2, Look::Rods));
+    match ask(&mut desk, &draw, Vec::new()).0 {
+        Some(Answer::Simulated(3, news)) => match *news {
+            News::Frame(_, Look::Rods, frame) => assert!(frame.scene.indices.len() > 3000),
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    }
+    let take = Ask::Simulation(SimulationAsk::Take(9));
+    let (Some(Answer::Taken(3, taken)), files) = ask(&mut desk, &take, Vec::new()) else {
+        panic!("no break was taken");
+    };
+    assert_eq!(files.len(), 1);
+    let stem = Answer::Opened(opened(files.clone()));
+    assert!(matches!(stem, Answer::Opened(Ok(_))));
+    let taken = taken.unwrap().taken(files[0].bytes.clone()).unwrap();
+    assert!(taken.input.is_some() && taken.request.breaks.len() == 1);
+}
+
+#[test]
+fn a_hand_that_is_steered_between_two_frames_pulls_elsewhere_from_there_on() {
+    let mut desk = Desk::default();
+    moved(&mut desk, SimulationAsk::Begin(pulled(1, -0.1)), 5);
+    let steer = Ask::Simulation(SimulationAsk::Steer([0.0, 0.0, 0.05]));
+    let (hand, way) = match ask(&mut desk, &steer, Vec::new()).0 {
+        Some(Answer::Simulated(1, news)) => match *news {
+            News::Steered(hand, way) => (hand, way),
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(hand.by, [0.0, 0.0, 0.05]);
+    assert_eq!(hand.before.len(), 1);
+    assert!(
+        way[4].1[1] < 0.0 && way[way.len() - 1].1 == hand.by,
+        "{way:?}"
+    );
+    let (steered, _) = moved(&mut desk, SimulationAsk::GoOn, 12);
+    let alone = AskedSimulation {
+        moved: vec![hand],
+        ..pulled(2, 0.0)
+    };
+    let (begun, _) = moved(&mut Desk::default(), SimulationAsk::Begin(alone), 12);
+    let [steered, begun] = [&steered, &begun].map(|all| last_recorded(all));
+    assert_eq!(steered.times.len(), 12);
+    assert_eq!(steered, begun);
 }

@@ -177,31 +177,39 @@ fn stroke_held(harness: &mut Harness<'static, Studio>, from: Pos2, to: Pos2, hel
         modifiers: held,
     };
     let (mut longest, mut most): (f64, f64) = (0.0, 0.0);
-    let mut step = |harness: &mut Harness<'static, Studio>| {
+    let mut update = |harness: &mut Harness<'static, Studio>| {
         let (start, before) = (Instant::now(), worked());
         harness.step();
         longest = longest.max(start.elapsed().as_secs_f64());
         most = most.max(worked() - before);
     };
-    harness.event_modifiers(button(from, true), held);
+    // A step is an update for each event that waits: one at a time, as each is to be measured.
+    let send = |harness: &mut Harness<'static, Studio>,
+                event,
+                update: &mut dyn FnMut(&mut Harness<'static, Studio>)| {
+        let keys = eframe::egui::Event::ModifiersChanged;
+        for event in [keys(held), event, keys(Modifiers::NONE)] {
+            harness.event(event);
+            update(harness);
+        }
+    };
+    send(harness, button(from, true), &mut update);
     for i in 0..=12 {
         let pos = from + (to - from) * (i as f32 / 12.0);
-        harness.event_modifiers(eframe::egui::Event::PointerMoved(pos), held);
-        step(harness);
+        send(harness, eframe::egui::Event::PointerMoved(pos), &mut update);
         // Between two moves answers come, and a pointer that rests paints nothing; keys are held for the moves alone.
         let painted = grid(harness);
         for _ in 0..4 {
             std::thread::sleep(std::time::Duration::from_millis(20));
-            step(harness);
+            update(harness);
             assert!(grid(harness) == painted, "painted without a move");
         }
     }
-    harness.event_modifiers(button(to, false), held);
+    send(harness, button(to, false), &mut update);
     let begun = Instant::now();
-    step(harness);
     while harness.state().is_busy() && begun.elapsed().as_secs() < 300 {
         std::thread::sleep(std::time::Duration::from_millis(10));
-        step(harness);
+        update(harness);
     }
     settle(harness);
     println!(

@@ -1,7 +1,7 @@
 //! A worker of the page, as the page sees it.
 
 use super::news::{Inbox, JsFile, News, Wake};
-use crate::model::desk::{Ask, to_bytes};
+use crate::model::messages::{Ask, SimulationAsk, to_bytes};
 use crate::platform::WorkProgress;
 use eframe::wasm_bindgen::closure::Closure;
 use eframe::wasm_bindgen::{JsCast, JsValue};
@@ -13,6 +13,21 @@ use web_time::Instant;
 
 /// The file that begins a worker.
 const SCRIPT: &str = "./worker.js";
+
+/// How long the work on a picture, or on a frame of a simulation, goes on after another was asked for. Then its worker is ended: a new
+/// one begins by finding the stem again, which an answer that is nearly there does not.
+pub const PATIENCE: Duration = Duration::from_millis(1500);
+
+/// The files of an input.
+#[derive(Default)]
+pub struct Held {
+    /// Its number.
+    pub input: u64,
+    /// The unit of length in them.
+    pub unit: Option<String>,
+    /// The files.
+    pub files: Vec<JsFile>,
+}
 
 thread_local! {
     static NEXT: Cell<u64> = const { Cell::new(1) };
@@ -89,9 +104,11 @@ impl Helper {
             message.push(&JsValue::from_str(&file.name));
             message.push(&file.bytes);
         }
-        if !matches!(ask, Ask::Hold { .. }) {
+        if is_work(ask) {
             self.since = Some(Instant::now());
-            self.progress("wait".to_owned(), 0.0);
+            if self.at.is_none() {
+                self.progress("wait".to_owned(), 0.0);
+            }
         }
         match &mut self.queue {
             Some(queue) => queue.push(message),
@@ -141,6 +158,12 @@ impl Helper {
             ),
         }
     }
+}
+
+/// Whether what is asked for is shown as work.
+fn is_work(ask: &Ask) -> bool {
+    use SimulationAsk::{Draw, Steer};
+    !matches!(ask, Ask::Hold { .. } | Ask::Simulation(Draw(..) | Steer(_)))
 }
 
 impl Drop for Helper {

@@ -6,28 +6,29 @@ mod helper;
 mod news;
 mod page;
 mod serve;
+mod simulating;
 
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
-use crate::model::desk::{Answer, Ask, OpenedFiles, from_bytes};
 use crate::model::engine::{Failure, Job};
 use crate::model::held::is_project;
 use crate::model::input::Input;
+use crate::model::job_scene::{JobScene, own_setting};
 use crate::model::link::{link, read_link};
+use crate::model::messages::{Answer, Ask, OpenedFiles, from_bytes};
 use crate::model::photograph::is_picture;
 use crate::model::project_file::ProjectFile;
+use crate::model::simulated::scenes;
+use crate::model::simulation::{self, Look, SceneEntry, SimulationJob};
 use crate::model::units::ShownUnit;
 use eframe::wasm_bindgen::{JsCast, JsValue};
 use greenstick::formats::LengthUnit;
 use greenstick::formats::photograph::Photograph;
-use helper::Helper;
+use greenstick::schema::write_toml;
+use helper::{Held, Helper, PATIENCE};
 use js_sys::Array;
 use news::{Inbox, JsFile, News, Wake};
+use simulating::{Heard, Simulating};
 use std::collections::VecDeque;
-use std::time::Duration;
-
-/// How long the work on a picture goes on after another was asked for. Then its worker is ended: a new one begins by finding the stem
-/// again, which an answer that is nearly there does not.
-const PATIENCE: Duration = Duration::from_millis(1500);
 
 /// What the second helper does.
 enum Filing {
@@ -37,14 +38,6 @@ enum Filing {
     Picture(String),
     /// Makes the pieces, of this path.
     Export(String),
-}
-
-/// The files of an input.
-#[derive(Default)]
-struct Held {
-    input: u64,
-    unit: Option<String>,
-    files: Vec<JsFile>,
 }
 
 /// The machine.
@@ -57,6 +50,7 @@ pub struct Web {
     showing: Option<u64>,
     wanted: Option<(u64, Job)>,
     files: Option<(Helper, Filing)>,
+    simulating: Simulating,
     held: Held,
     /// The photograph that came last.
     picture: Option<JsFile>,
@@ -87,6 +81,7 @@ impl Web {
             showing: None,
             wanted: None,
             files: None,
+            simulating: Simulating::default(),
             held: Held::default(),
             picture: None,
             waiting: None,
@@ -181,6 +176,9 @@ impl Web {
     }
 
     fn answered(&mut self, from: u64, answer: Answer, message: &Array) {
+        if self.simulating.is_by(from) {
+            return self.simulated(answer, message);
+        }
         if from == self.show.number {
             match answer {
                 Answer::Ready => self.show.is_ready(),
@@ -199,7 +197,7 @@ impl Web {
                     self.showing = None;
                     self.done.push_back(Done::Shown(number, shown));
                 }
-                Answer::Opened(_) | Answer::Pictured(_) | Answer::Exported(_) => {}
+                _ => {}
             }
             return;
         }
@@ -228,13 +226,37 @@ impl Web {
                     self.done.push_back(Done::Exported(path, written));
                 }
             }
-            Answer::Drawn(..) | Answer::Shown(..) => {}
+            _ => {}
+        }
+    }
+
+    /// The worker of the simulation said something.
+    fn simulated(&mut self, answer: Answer, message: &Array) {
+        match self.simulating.hear(answer, message) {
+            Heard::Nothing => {}
+            Heard::Done(done) => {
+                if let Done::Simulated(_, simulation::News::Frame(..)) = &done {
+                    browser::mark("frame", false);
+                }
+                self.done.push_back(done);
+            }
+            Heard::Stem(done, input, file) => {
+                self.held = Held {
+                    input,
+                    unit: None,
+                    files: vec![file],
+                };
+                self.done.push_back(done);
+            }
         }
     }
 
     /// A worker ended by itself: most often it got no more memory.
     fn ended(&mut self, from: u64, error: &str) {
-        if from == self.show.number {
+        if self.simulating.is_by(from) {
+            let done = self.simulating.ended(error);
+            self.done.extend(done);
+        } else if from == self.show.number {
             let failure = Failure::new(self.show.why(error));
             let number = self.showing;
             self.renew();
@@ -324,6 +346,11 @@ impl Web {
     }
 }
 
+/// Hands a file out.
+fn hand_out(name: &str, content: &JsValue) -> Result<(), Failure> {
+    browser::download(name, content).map_err(|e| Failure::new(format!("{name}: {e:?}")))
+}
+
 impl Filing {
     /// The end of work that failed.
     fn failed(self, failure: Failure) -> Done {
@@ -379,7 +406,10 @@ impl Platform for Web {
                     self.done.push_back(filing.failed(Failure::cancelled()));
                 }
             }
-            Lane::Simulation => {}
+            Lane::Simulation => {
+                let done = self.simulating.cancel();
+                self.done.extend(done);
+            }
         }
         (self.wake)();
     }
@@ -388,7 +418,7 @@ impl Platform for Web {
         match lane {
             Lane::Show => self.show.at.clone(),
             Lane::Files => self.files.as_ref()?.0.at.clone(),
-            Lane::Simulation => None,
+            Lane::Simulation => self.simulating.progress(),
         }
     }
 
@@ -397,7 +427,42 @@ impl Platform for Web {
             self.hear(news);
         }
         self.show_next();
+        self.simulating.give_up();
         self.done.pop_front()
+    }
+
+    fn scenes(&self) -> Vec<SceneEntry> {
+        scenes()
+    }
+
+    fn simulate(&mut self, job: SimulationJob) {
+        (self.simulating).begin(job, &self.held, &self.inbox, &self.wake);
+    }
+
+    fn pause_simulation(&mut self, paused: bool) {
+        self.simulating.pause(paused);
+    }
+
+    fn step_simulation(&mut self) {
+        self.simulating.step();
+    }
+
+    fn steer_simulation(&mut self, by: [f64; 3]) {
+        self.simulating.steer(by);
+    }
+
+    fn save_scene(&self, path: &str, job: &SimulationJob) -> Result<(), Failure> {
+        let setting = JobScene::new(own_setting(&job.source)?, job)?.0.with_hand();
+        hand_out(path, &JsValue::from_str(&write_toml(&setting)))
+    }
+
+    fn draw_frame(&mut self, number: usize, look: Look) {
+        let done = self.simulating.draw(number, look);
+        self.done.extend(done);
+    }
+
+    fn take_break(&mut self, at_hand: u64) {
+        self.simulating.take(at_hand);
     }
 
     fn open_picture(&mut self, path: &str) {
@@ -413,8 +478,15 @@ impl Platform for Web {
     }
 
     fn save(&self, path: &str, project: &ProjectFile) -> Result<(), Failure> {
-        browser::download(path, &JsValue::from_str(&project.to_toml()))
-            .map_err(|e| Failure::new(format!("{path}: {e:?}")))
+        let Some(stem) = &project.stem else {
+            return hand_out(path, &JsValue::from_str(&project.to_toml()));
+        };
+        // The stem of a simulation has no file yet.
+        let beside = ProjectFile::stem_path(path);
+        hand_out(&beside, &js_sys::Uint8Array::from(&stem[..]))?;
+        let mut project = project.clone();
+        project.request.input = Some(beside);
+        hand_out(path, &JsValue::from_str(&project.to_toml()))
     }
 
     fn has_folders(&self) -> bool {

@@ -1,7 +1,8 @@
 //! The worker's side of the page.
 
-use crate::model::desk::{Answer, Ask, Desk, from_bytes, to_bytes};
+use crate::model::desk::Desk;
 use crate::model::held::HeldFile;
+use crate::model::messages::{Answer, Ask, from_bytes, to_bytes};
 use eframe::wasm_bindgen::JsCast;
 use eframe::wasm_bindgen::closure::Closure;
 use greenstick::geometry::{CancelToken, Context, Progress};
