@@ -6,6 +6,7 @@
 
 mod angle;
 mod bundles;
+mod dips;
 mod fibrous;
 mod nodes;
 mod skin_depth;

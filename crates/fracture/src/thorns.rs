@@ -240,6 +240,7 @@ mod tests {
             radius: 0.0101,
             arc: None,
             bark: None,
+            bark_below: Vec::new(),
             ring_edges: Vec::new(),
             seed: 0,
         };

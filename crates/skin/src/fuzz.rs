@@ -35,7 +35,7 @@ const TORN_STUBS: f64 = 5.0e5;
 const STRAPS: f64 = 1.3e6;
 /// Share of straps that bark which broke short lacks, and the part of the height of its walls that counts.
 const FEWER_STRAPS: f64 = 0.95;
-const SHORT_BARK: f64 = 0.8;
+const SHORT_BARK: f64 = 0.7;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1: of hairs, and of each kind where pieces are apart.
 const MAX_SHARE: f64 = 0.6;
 const MAX_SHARES_APART: [f64; 4] = [0.2, 0.14, 0.3, 0.12];

@@ -5,9 +5,6 @@ use crate::surface::NONE;
 use glam::DVec3;
 use greenstick_wood::stem::LevelSteps;
 
-/// Share of the levels' span within which a vertex counts as lying on a level.
-const NEAR: f64 = 1e-10;
-
 /// How many levels lie at or below a vertex, and how many below it; they differ where it lies on one.
 type Rank = [u32; 2];
 
@@ -44,13 +41,12 @@ fn crossed(corners: [RankedVertex; 3]) -> Option<Crossed> {
 
 impl Cut {
     /// Splits every triangle of the broken face that crosses one of the `levels` (m, ascending); `points` as given to
-    /// [`super::cut`]. The skin must cross none of them.
-    pub fn split_at_levels(&mut self, points: &[DVec3], levels: &[f64]) {
-        let (Some(first), Some(last)) = (levels.first(), levels.last()) else {
+    /// [`super::cut`]. The skin must cross none of them: its vertices lie on levels to within `near` (m), and its edges are not
+    /// split for that.
+    pub fn split_at_levels(&mut self, points: &[DVec3], levels: &[f64], near: f64) {
+        if levels.is_empty() {
             return;
-        };
-        // The skin ends at levels but for rounding; an edge of it must not be split for that.
-        let near = NEAR * (last - first);
+        }
         let steps = LevelSteps::new(levels);
         let rank = |s: f64| {
             let at = steps.count(levels, s + near);

@@ -20,6 +20,9 @@ pub struct LayoutOptions {
     pub arc: Option<(f64, f64)>,
     /// Ring coordinate at which the bark begins (fibrous layout); `None` where there is none (a board).
     pub bark: Option<f64>,
+    /// Greatest ring coordinate at which the bark may begin, in the middles of sectors of equal width from the angle −π on, so that no wood
+    /// is bare where the skin dips (fibrous layout). Empty where it begins at `bark` all around.
+    pub bark_below: Vec<f64>,
     /// Ring coordinates of the annual rings' outer edges, ascending (fibrous layout): bundles part at them. Empty where the
     /// rings are not known.
     pub ring_edges: Vec<f64>,

@@ -1,6 +1,7 @@
 //! The fibrous layout: rings of bundles that are shifted against each other like bricks.
 
 use super::bundles::{FibreBundle, FibreBundles, LayoutOptions};
+use super::dips::below_skin;
 use super::nodes::{NodeBuilder, RAY_OFFSET, directions};
 use crate::surface::SectionLayout;
 use glam::DVec2;
@@ -50,6 +51,7 @@ struct RingBand {
 ///     radius: stem.radius,
 ///     arc: None,
 ///     bark: Some(0.94),
+///     bark_below: Vec::new(),
 ///     ring_edges: vec![0.3, 0.6, 1.0],
 ///     seed: 1,
 /// };
@@ -411,7 +413,7 @@ fn boundary(
         let node = if is_outermost {
             builder.beyond(options, angle, max_step)
         } else {
-            builder.node(rho + jitter(nodes.len()), angle)
+            builder.node(below_skin(options, rho + jitter(nodes.len()), angle), angle)
         };
         nodes.push((angle, node));
         if is_far {

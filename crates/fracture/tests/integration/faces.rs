@@ -54,11 +54,16 @@ fn round_face(preset: &str, seed: u64) -> (Stem, FibreBundles, Heights) {
 
 /// [`round_face`] in a layout that reaches up to a ring coordinate.
 fn round_face_up_to(preset: &str, seed: u64, reach: f64) -> (Stem, FibreBundles, Heights) {
-    let stem = stem(primitive::cylinder(0.02, 0.6, 64));
     let p = BreakParameters {
         seed,
         ..Recipe::resolve(&[preset], None, &[]).unwrap().face
     };
+    round_face_of(&p, reach)
+}
+
+/// A face of parameters in a layout that reaches up to a ring coordinate, on a stem 4 cm thick.
+fn round_face_of(p: &BreakParameters, reach: f64) -> (Stem, FibreBundles, Heights) {
+    let stem = stem(primitive::cylinder(0.02, 0.6, 64));
     let options = LayoutOptions {
         rings: p.rings as usize,
         sectors: p.sectors as usize,
@@ -66,10 +71,11 @@ fn round_face_up_to(preset: &str, seed: u64, reach: f64) -> (Stem, FibreBundles,
         radius: 1.1 * reach * stem.radius,
         arc: None,
         bark: Some(0.94),
+        bark_below: Vec::new(),
         ring_edges: (1..=8).map(|i| 0.125 * f64::from(i)).collect(),
-        seed,
+        seed: p.seed,
     };
-    let (bundles, heights) = face(&stem, &options, &p);
+    let (bundles, heights) = face(&stem, &options, p);
     (stem, bundles, heights)
 }
 
@@ -171,13 +177,10 @@ fn stubs_stand_out_of_crushed_wood_beside_pits() {
     }
 }
 
-/// The height of a high layer at its border: it runs out over a way that grows with it, and is no cliff.
-#[test]
-fn a_high_layer_runs_out_on_the_slant() {
-    let (stem, bundles, heights) = round_face("shear", 1);
+/// Mean heights (radii) of the wood of a face in strips across the direction in which layers and inclination rise.
+fn strips((stem, bundles, heights): &(Stem, FibreBundles, Heights)) -> [f64; 9] {
     let layout = &bundles.layout;
     let pith = stem.rings.pith();
-    // Mean heights of the wood in strips across the border, which runs through the pith.
     let mut strips = [(0.0, 0.0); 9];
     for (f, facet) in layout.facets.iter().enumerate() {
         let corners = facet.map(|n| (layout.nodes[n as usize] - pith) / stem.radius);
@@ -190,12 +193,36 @@ fn a_high_layer_runs_out_on_the_slant() {
         let strip = &mut strips[((middle.x + 0.9) / 0.2).clamp(0.0, 8.0) as usize];
         *strip = (strip.0 + area * height / stem.radius, strip.1 + area);
     }
-    let means = strips.map(|(sum, area)| sum / area);
+    strips.map(|(sum, area)| sum / area)
+}
+
+/// The height of a high layer at its border: it runs out over a way that grows with it, and is no cliff.
+#[test]
+fn a_high_layer_runs_out_on_the_slant() {
+    let layer = ["high.height=5", "high.angle=180", "high.rings=1", "seed=1"];
+    let recipe = Recipe::resolve(&["simple-tension"], None, &layer).unwrap();
+    let means = strips(&round_face_of(&recipe.face, 1.0));
     let whole = means[8] - means[0];
     assert!(whole > 2.0, "{means:?}");
     // The steepest fifth of a radius takes no more than a third of the height.
     let steepest = means.windows(2).map(|m| m[1] - m[0]).fold(0.0, f64::max);
     assert!(steepest < 0.35 * whole, "{means:?}");
+}
+
+/// Sheared wood parts on one long slope.
+#[test]
+fn a_shear_face_is_one_long_slope() {
+    const SEEDS: u64 = 3;
+    let mut steep = 0.0;
+    for seed in 1..=SEEDS {
+        let means = strips(&round_face("shear", seed));
+        let whole = means[8] - means[0];
+        assert!(whole > 4.0, "seed {seed}: {means:?}");
+        let steepest = means.windows(2).map(|m| m[1] - m[0]).fold(0.0, f64::max);
+        steep += steepest / whole / SEEDS as f64;
+    }
+    // An even slope has an eighth of its height in each strip, and one seed's slabs and slivers on that; a step between two beams more.
+    assert!(steep < 0.22, "{steep}");
 }
 
 /// The parts of a board's width.
@@ -268,6 +295,7 @@ fn boards_break_in_wedges_and_not_in_blocks() {
             radius: 1.1 * (pith.length() + width),
             arc: Some((left - 0.03, right + 0.03)),
             bark: None,
+            bark_below: Vec::new(),
             ring_edges: Vec::new(),
             seed,
         };
@@ -330,6 +358,7 @@ fn an_added_field_is_over_whatever_face_the_parameters_shape() {
                 radius: 1.1 * stem.radius,
                 arc: None,
                 bark: Some(0.94),
+                bark_below: Vec::new(),
                 ring_edges: (1..=8).map(|i| 0.125 * f64::from(i)).collect(),
                 seed: p.seed,
             };

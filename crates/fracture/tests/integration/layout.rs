@@ -34,6 +34,7 @@ fn no_facet_folds_over_beside_a_thin_ring() {
                 radius: 1.2 * stem.radius,
                 arc: None,
                 bark: Some(bark),
+                bark_below: Vec::new(),
                 ring_edges: (1..10)
                     .map(|i| 0.1 * f64::from(i))
                     .chain([bark - 0.05 * last, 1.0])

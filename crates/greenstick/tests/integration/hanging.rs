@@ -120,14 +120,27 @@ fn a_hinge_is_of_laths_of_many_widths_and_of_inner_bark_and_parts_do_not_leave_i
     let zones = &mesh.attributes["_ZONE"];
     let radius = made.woods[0].stem.radius;
     let (mut widths, mut straps) = (Vec::new(), 0);
+    // How far the ends of whole laths are from each other.
+    let mut whole = Vec::new();
     for shell in shells(mesh) {
         // Strands of fuzz have ten vertices at most.
         if shell.len() >= 36 {
+            // Those that are torn have no root in the other piece.
+            if shell.len() == 40 {
+                let middle = |section: usize| {
+                    let corners = &shell[4 * section..4 * section + 4];
+                    corners.iter().map(|&v| mesh.positions[v]).sum::<DVec3>() / 4.0
+                };
+                whole.push(middle(1).distance(middle(8)) / radius);
+            }
             let [a, b] = [shell[16], shell[17]].map(|v| mesh.positions[v]);
             widths.push(a.distance(b) / radius);
             straps += usize::from(zones.at(shell[0])[0] == 3.0);
         }
     }
+    // Nothing bridges the wide part of the gap.
+    let longest = whole.iter().copied().fold(0.0, f64::max);
+    assert!(whole.len() > 10 && longest < 0.5, "{longest}");
     widths.sort_unstable_by(f64::total_cmp);
     assert!(widths.len() > 60, "{}", widths.len());
     assert!(straps > 10, "{straps}");

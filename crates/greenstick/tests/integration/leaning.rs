@@ -206,17 +206,23 @@ fn slopes(broken: &Broken, node: usize) -> [f64; 2] {
 #[test]
 fn splinters_of_halves_moved_apart_are_not_parallel_and_lean_more_towards_their_tips() {
     let branch = built_in_branch();
-    let made = moved_apart(branch.clone(), 0.5, 0.1, &["fuzz=0"]);
-    let straight = broken(branch.clone(), 0.5, &["fuzz=0"]);
-    assert!(straight.report.pieces.iter().all(|p| p.lean.is_none()));
-    for node in 0..2 {
-        let ([foot, tips], [before_foot, before_tips]) =
-            (slopes(&made, node), slopes(&straight, node));
-        assert!(tips - before_tips > 1.0, "{tips} {before_tips}");
-        assert!(
-            tips - before_tips > 1.5 * (foot - before_foot),
-            "{foot} {before_foot}, {tips} {before_tips}"
-        );
+    // Means over breaks, as the tips of one are few.
+    let seeds = ["seed=1", "seed=2", "seed=3", "seed=4"];
+    let mut added = [[0.0; 2]; 2];
+    for seed in seeds {
+        let made = moved_apart(branch.clone(), 0.5, 0.1, &["fuzz=0", seed]);
+        let straight = broken(branch.clone(), 0.5, &["fuzz=0", seed]);
+        assert!(straight.report.pieces.iter().all(|p| p.lean.is_none()));
+        for (node, added) in added.iter_mut().enumerate() {
+            let (after, before) = (slopes(&made, node), slopes(&straight, node));
+            for k in 0..2 {
+                added[k] += (after[k] - before[k]) / seeds.len() as f64;
+            }
+        }
+    }
+    for [foot, tips] in added {
+        assert!(tips > 1.0, "{tips}");
+        assert!(tips > 1.5 * foot, "{foot} {tips}");
     }
     let mut snapped = 0;
     for seed in ["seed=1", "seed=2"] {

@@ -26,10 +26,10 @@ mod seams;
 mod sessions;
 mod simulate;
 mod simulated_faces;
-mod smooth_faces;
 mod species_heights;
 #[cfg(feature = "files")]
 mod strands;
 mod support;
 mod triangle_budget;
 mod twins;
+mod whole_bark;

@@ -1,12 +1,14 @@
 //! The rings of the inside, of the broken faces and of the textures are the same.
 
 use glam::{DVec2, Vec2};
+use greenstick::fracture::layout::wrap_angle;
 use greenstick::geometry::{Context, ImageSource, Scene};
 use greenstick::wood::anatomy::{Anatomy, AnatomyRequest};
 use greenstick::wood::appearance::WoodAppearance;
 use greenstick::wood::rings::{RingSource, StemAddress};
 use greenstick::wood::stem::Stem;
 use greenstick::{BreakRequest, BreakSession, built_in_branch};
+use std::f64::consts::{PI, TAU};
 
 /// Width of the texture, pixels.
 const TEXTURE: u32 = 1024;
@@ -234,8 +236,18 @@ fn bundles_of_the_broken_face_part_at_the_edges_of_rings() {
         let stages = session.stages(&request, &Context::quiet()).unwrap();
         let bundles = &stages.layout.bundles;
         let edges = stages.stem.rings.edges();
-        let bark = stages.stem.stem().extent.bark;
-        let mut crossing = 0;
+        let extent = stages.stem.stem().extent;
+        let bark = extent.bark;
+        // Where the skin dips below a ring there is no wood of it.
+        let sectors = extent.bark_below.len();
+        let skin = |angle: f64| {
+            let place = (wrap_angle(angle) + PI) / TAU * sectors as f64;
+            let beside = [sectors - 1, 0, 1].map(|k| (place as usize + k) % sectors);
+            beside
+                .iter()
+                .fold(1.0, |least: f64, &k| least.min(extent.bark_below[k]))
+        };
+        let (mut crossing, mut whole, mut below_dips) = (0, 0, 0);
         for &edge in edges.iter().filter(|&&e| e < bark - 0.02) {
             for (facet, &cell) in bundles.layout.facets.iter().zip(&bundles.layout.cells) {
                 let rho = facet.map(|n| bundles.addresses[n as usize].0);
@@ -244,9 +256,16 @@ fn bundles_of_the_broken_face_part_at_the_edges_of_rings() {
                     rho.iter().fold(0.0, |a: f64, &b| a.max(b)),
                 );
                 let bundle = &bundles.bundles[cell as usize];
+                let skins = facet.map(|n| skin(bundles.addresses[n as usize].1));
+                if skins.iter().any(|&skin| skin < edge) {
+                    below_dips += 1;
+                    continue;
+                }
+                whole += 1;
                 crossing += usize::from(!bundle.bark && low < edge - most && high > edge + most);
             }
         }
         assert_eq!(crossing, 0, "{} rings", edges.len());
+        assert!(10 * below_dips < whole, "{below_dips} beside {whole}");
     }
 }

@@ -58,6 +58,11 @@ impl LayoutKey {
                 radius: stem.extent.radius,
                 arc: stem.extent.arc,
                 bark: barked.then_some(stem.extent.bark),
+                bark_below: if barked && p.surface == Style::Fibrous {
+                    stem.extent.bark_below.to_vec()
+                } else {
+                    Vec::new()
+                },
                 ring_edges: match p.surface {
                     Style::Smooth => Vec::new(),
                     Style::Fibrous => rings.edges().to_vec(),
@@ -185,7 +190,7 @@ impl Cutter<'_> {
         } else {
             0
         };
-        cut.split_at_levels(&self.stem.grain, &self.stem.levels);
+        self.stem.split_at_levels(&mut cut);
         Ok((cut, chips))
     }
 

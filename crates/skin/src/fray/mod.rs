@@ -188,7 +188,7 @@ impl FrayedBreak<'_> {
             };
             let skin = &self.stem.skin;
             let mut cut = splinter_solid(&self.stem.solid(), skin, &whole, faces, s.cell);
-            cut.split_at_levels(&self.stem.grain, &self.stem.levels);
+            self.stem.split_at_levels(&mut cut);
             let face = BrokenFace::within_the_wood(&source, cut, &self.inner);
             Splinter {
                 mesh: face.piece(&source, &self.inner, false),

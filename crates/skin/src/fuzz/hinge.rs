@@ -8,16 +8,17 @@ use super::strand::{Ribbon, RibbonSection, StrandMesh};
 use crate::lean::place::FacetPlaces;
 use glam::{DAffine3, DVec2, DVec3};
 use greenstick_fracture::surface::FractureSurface;
-use greenstick_wood::noise::unit;
+use greenstick_wood::noise::{smoothstep, unit};
 use greenstick_wood::stem::LayeredGrain;
 use greenstick_wood::tissue::Zone;
 
 /// Slabs of the hinge, and straps of inner bark that buckle outside of it.
 const SLABS: i64 = 64;
 const STRAPS: i64 = 22;
-/// Distances from the edge that the piece turned about, radii, between which slabs lie, and beyond which they are torn.
+/// Distances from the edge that the piece turned about, radii, between which slabs lie, and between which more and more of them and of
+/// the straps are torn: green wood strains by some hundredths before it tears, so that nothing bridges the wide part of the gap.
 const REACH: (f64, f64) = (0.03, 0.8);
-const WHOLE: f64 = 0.4;
+const TEARS: (f64, f64) = (0.1, 0.34);
 /// Widths of slabs and of straps, radii, and thicknesses of both. Most are narrow.
 const WIDTH: (f64, f64) = (0.02, 0.3);
 const STRAP_WIDTH: (f64, f64) = (0.05, 0.24);
@@ -27,12 +28,16 @@ const LATHS: f64 = 4.0;
 const LATH_WIDTH: f64 = 0.035;
 /// How far into the wood of both pieces slabs reach, radii.
 const ROOT: f64 = 0.12;
-/// How far the middle of a slab lies beside its straight way, radii, and how far those of its laths differ.
-const SAG: f64 = 0.06;
-const PARTED: f64 = 0.055;
+/// How far the middle of a slab lies beside its straight way, and how far those of its laths differ, over the length of that way.
+const SAG: f64 = 0.16;
+const PARTED: f64 = 0.14;
+/// How far whole laths go on along the grain where they leave the faces, over the length of their straight way: they are taut.
+const TAUT: f64 = 0.6;
+/// How much of the bend between the pieces a torn lath keeps: it springs back along the grain of the piece that it stands on.
+const TORN_BEND: f64 = 0.35;
 /// How far straps buckle outwards, radii.
 const BUCKLE: (f64, f64) = (0.03, 0.16);
-/// Share of straps and of the slabs next to the edge that are torn.
+/// Least share of straps and of slabs that are torn.
 const TORN_STRAPS: f64 = 0.3;
 const TORN: f64 = 0.15;
 /// How much narrower and wider a lath is along its way, at most.
@@ -144,11 +149,12 @@ impl HingeOptions<'_> {
         let (_, height) = places.highest(at)?;
         let mut slab = self.placed(at, (ring, height), ROOT * (1.0 + random(2)));
         let along = slab.along[0];
+        let chord = slab.ends[0].distance(slab.ends[1]);
         slab.sag =
-            (slab.beside * (2.0 * random(3) - 1.0) + along * (random(4) - 0.5)) * SAG * radius;
+            (slab.beside * (2.0 * random(3) - 1.0) + along * (random(4) - 0.5)) * (SAG * chord);
         slab.width = between(WIDTH, random(8) * random(8) * random(18)) * radius;
         slab.thickness = between(THICKNESS, random(9) * random(9)) * radius;
-        slab.torn = TORN + (far - WHOLE) / (REACH.1 - WHOLE);
+        slab.torn = torn_at(far).max(TORN);
         Some(slab)
     }
 
@@ -174,7 +180,8 @@ impl HingeOptions<'_> {
         slab.sag = outwards * (between(BUCKLE, random(3) * random(4)) * radius);
         slab.width = between(STRAP_WIDTH, random(8) * random(8)) * radius;
         slab.thickness = between(THICKNESS, random(9)) * radius;
-        slab.torn = TORN_STRAPS;
+        let far = (at.dot(self.toward) - self.from) / radius;
+        slab.torn = torn_at(far).max(TORN_STRAPS);
         Some(slab)
     }
 
@@ -210,20 +217,28 @@ impl HingeOptions<'_> {
     /// Makes a lath of a slab: `middle` is its distance from the slab's middle at the ends, both in m.
     fn lath(&self, slab: &Slab, (number, lath): (i64, i64), (middle, width): (f64, f64)) -> Ribbon {
         let random = |k: i64| self.random(number, 100 + 30 * lath + k);
-        let radius = self.radius();
         let [start, end] = slab.ends.map(|p| p + slab.beside * middle);
         let [along, onward] = slab.along;
         let chord = start.distance(end);
         let even = |k: i64| 2.0 * random(k) - 1.0;
         let normal = along.cross(slab.beside);
-        let parted = (slab.beside * even(0) + normal * even(1)) * (PARTED * radius);
+        let parted = (slab.beside * even(0) + normal * even(1)) * (PARTED * chord);
         // Some are torn off on the way, from either piece.
         let torn = random(5) < slab.torn;
         let turned = torn && random(6) < 0.5;
         let reaches = if torn { 0.2 + 0.55 * random(7) } else { 1.0 };
+        let tangents = [along * (TAUT * chord), onward * (TAUT * chord)];
         let curve = |t: f64| {
             let bulge = (slab.sag + parted) * (4.0 * t * (1.0 - t));
-            hermite([start, end], [along * chord, onward * chord], t) + bulge
+            let bent = hermite([start, end], tangents, t) + bulge;
+            let straight = match turned {
+                true => end - onward * (chord * (1.0 - t)),
+                false => start + along * (chord * t),
+            };
+            match torn {
+                true => straight.lerp(bent, TORN_BEND),
+                false => bent,
+            }
         };
         let way = |i: i32| f64::from(i) / f64::from(SECTIONS - 1) * reaches;
         let along_it = |i| if turned { 1.0 - way(i) } else { way(i) };
@@ -273,6 +288,11 @@ impl HingeOptions<'_> {
             sections: places.iter().enumerate().map(section).collect(),
         }
     }
+}
+
+/// Returns the share of laths that are torn at a distance from the edge that the piece turned about, radii.
+fn torn_at(far: f64) -> f64 {
+    smoothstep(TEARS.0, TEARS.1, far)
 }
 
 /// Returns the number at a part of a range.

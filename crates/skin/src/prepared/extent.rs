@@ -2,8 +2,10 @@
 
 use crate::texture::SectionSquare;
 use glam::{DVec2, DVec3};
+use greenstick_fracture::layout::wrap_angle;
 use greenstick_wood::stem::FoundStem;
 use greenstick_wood::tissue::{MAX_BARK_START, MIN_BARK_START};
+use std::f64::consts::{PI, TAU};
 
 /// How far the skin of the limb reaches about the pith.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,12 +16,24 @@ pub struct SectionExtent {
     pub radius: f64,
     /// Ring coordinate at which the bark begins.
     pub bark: f64,
+    /// Ring coordinate below which it begins at the latest, in sectors of equal width from the angle −π on: where the skin dips, as in a
+    /// deep furrow.
+    pub bark_below: [f64; DIP_SECTORS],
     /// Angles (rad) between which it lies, where the pith is outside of the section.
     pub arc: Option<(f64, f64)>,
 }
 
 /// Length of stem on either side of the break, in radii, whose skin tells how deep the bark's furrows are.
 const FURROW_REACH: f64 = 1.5;
+/// Length of stem on either side of the break, in radii, whose dips wood stays below: about what splinters reach.
+const DIP_REACH: f64 = 3.0;
+/// Sectors in which dips of the skin are known.
+const DIP_SECTORS: usize = 96;
+/// Ring coordinate by which bark begins below a dip, and farthest below where it begins elsewhere.
+const BELOW_DIPS: f64 = 0.012;
+const DEEPEST_DIP: f64 = 0.06;
+/// Ring coordinate by which bark may begin farther out for each radian away from a dip.
+const RISE: f64 = 0.3;
 /// Part of the skin that lies in furrows.
 const FURROW_SHARE: usize = 10;
 /// Ring coordinate by which wood begins below the furrows.
@@ -38,6 +52,8 @@ struct Gathered {
     radius: f64,
     /// Ring coordinates near the break.
     near: Vec<f64>,
+    /// The least of them in each sector.
+    dips: [f64; DIP_SECTORS],
     /// Least and greatest angle about the pith, from the direction of the sections' centroids, rad.
     angle: (f64, f64),
 }
@@ -57,6 +73,7 @@ impl SectionExtent {
             rho: (f64::INFINITY, 0.0),
             radius: 0.0,
             near: Vec::new(),
+            dips: [f64::INFINITY; DIP_SECTORS],
             angle: (f64::INFINITY, f64::NEG_INFINITY),
         };
         let mut visited = vec![false; grain.len()];
@@ -75,11 +92,17 @@ impl SectionExtent {
                 if std::mem::replace(&mut visited[points[k] as usize], true) {
                     continue;
                 }
-                let (rho, _) = stem.rings.address(point);
+                let (rho, phi) = stem.rings.address(point);
                 skin.rho.1 = skin.rho.1.max(rho);
                 skin.radius = skin.radius.max(point.distance(pith));
-                if (c[k].z - stem.location).abs() < FURROW_REACH * stem.radius {
+                let far = (c[k].z - stem.location).abs() / stem.radius;
+                if far < FURROW_REACH {
                     skin.near.push(rho);
+                }
+                if far < DIP_REACH {
+                    let place = (wrap_angle(phi) + PI) / TAU * DIP_SECTORS as f64;
+                    let dip = &mut skin.dips[(place as usize).min(DIP_SECTORS - 1)];
+                    *dip = dip.min(rho);
                 }
                 let off = point - pith;
                 let angle = libm::atan2(forward.perp_dot(off), forward.dot(off));
@@ -104,6 +127,7 @@ impl Gathered {
             reach: (0.98 * self.rho.0, 1.02 * self.rho.1),
             radius: self.radius,
             bark: 1.0,
+            bark_below: [1.0; DIP_SECTORS],
             arc: Some((forward + low - margin, forward + high + margin)),
         }
     }
@@ -113,10 +137,22 @@ impl Gathered {
         self.near.sort_by(f64::total_cmp);
         let furrow = self.near.get(self.near.len() / FURROW_SHARE).copied();
         let bark = furrow.unwrap_or(MAX_BARK_START) - BELOW_FURROWS;
+        let bark = bark.clamp(MIN_BARK_START, MAX_BARK_START);
+        // What lies between two sectors belongs to both. From a dip the bark rises gradually to both sides, so that bundles stay in order.
+        let below = |i: usize| {
+            let rising = |k: usize| {
+                let away = k.min(DIP_SECTORS - k).saturating_sub(1);
+                self.dips[(i + k) % DIP_SECTORS] + RISE * TAU * away as f64 / DIP_SECTORS as f64
+            };
+            let least = (0..DIP_SECTORS).map(rising).fold(f64::INFINITY, f64::min);
+            (least - BELOW_DIPS).clamp(bark - DEEPEST_DIP, 1.0)
+        };
+        let bark_below = std::array::from_fn(below);
         SectionExtent {
             reach: (0.0, self.rho.1.max(1.0)),
             radius: self.radius,
-            bark: bark.clamp(MIN_BARK_START, MAX_BARK_START),
+            bark,
+            bark_below,
             arc: None,
         }
     }

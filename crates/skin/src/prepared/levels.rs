@@ -55,20 +55,53 @@ struct Made {
 /// Part of the stem's radius within which a vertex counts as lying on a level: more would bend straight edges.
 const ON_LEVEL: f64 = 1e-9;
 
+/// Cosine of the angle with the grain below which a triangle's normal makes it one of a face across the stem.
+const ALONG: f64 = 0.7;
+
+/// Distance within which a vertex of a stem counts as lying on a level, m.
+pub(super) fn near(found: &FoundStem) -> f64 {
+    ON_LEVEL * found.stem.radius
+}
+
 impl LevelSplitter {
+    /// The levels of the grain that the skin is to be split at, m, ascending. That at an end of the free length is left out where
+    /// triangles that cross it face along the grain: an earlier break's face or a sawn end lies there, whose many small triangles
+    /// might cross each other when they were split, and straight grain's map goes on unchanged beyond that level. Elsewhere it is
+    /// kept: on coarse trunks later breaks find their stem by these vertices.
+    fn levels(&self, layers: &LayeredGrain) -> Vec<f64> {
+        let mut levels: Vec<f64> = layers.levels().collect();
+        if layers.has_spiral_grain() {
+            return levels;
+        }
+        let crosses_face = |level: f64| {
+            self.limb.iter().any(|&t| {
+                let corners = self.mesh.triangles[t as usize];
+                let [a, b, c] = corners.map(|v| self.grain[self.points[v as usize] as usize]);
+                let (low, high) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+                let normal = (b - a).cross(c - a);
+                low < level && high > level && normal.z.abs() > ALONG * normal.length()
+            })
+        };
+        levels.pop_if(|last| crosses_face(*last));
+        if levels.first().is_some_and(|&first| crosses_face(first)) {
+            levels.remove(0);
+        }
+        levels
+    }
+
     /// Splits the limb's triangles at every level, and triangles of the shell beside the limb along with it, so that edges
-    /// stay whole. `transform` leads from the mesh to the world. Returns the new triangles.
+    /// stay whole. `transform` leads from the mesh to the world. Returns the levels (m) and the new triangles.
     pub fn split(
         &mut self,
         layers: &LayeredGrain,
         transform: &DAffine3,
         found: &FoundStem,
-    ) -> Vec<u32> {
-        let levels: Vec<f64> = layers.levels().collect();
+    ) -> (Vec<f64>, Vec<u32>) {
+        let levels = self.levels(layers);
         let before = self.mesh.triangles.len();
         self.parts = SplitTriangles::of_unsplit(&self.mesh);
         if levels.is_empty() {
-            return Vec::new();
+            return (levels, Vec::new());
         }
         let mut beside = vec![true; before];
         self.limb.iter().for_each(|&t| beside[t as usize] = false);
@@ -76,7 +109,7 @@ impl LevelSplitter {
             layers,
             transform,
             levels: &levels,
-            near: ON_LEVEL * found.stem.radius,
+            near: near(found),
         };
         let mut made = Made::default();
         self.split_limb(&maps, &mut made);
@@ -87,7 +120,8 @@ impl LevelSplitter {
             let parts = self.split_beside(t, before, &maps, &mut made);
             stack.extend(parts.into_iter().flatten());
         }
-        (before as u32..self.mesh.triangles.len() as u32).collect()
+        let new = before as u32..self.mesh.triangles.len() as u32;
+        (levels, new.collect())
     }
 
     /// Splits the limb's triangles.

@@ -16,7 +16,7 @@ use crate::error::BreakError;
 use crate::source::{Source, SplitTriangles};
 use crate::texture::SectionSquare;
 use glam::{DAffine3, DVec2, DVec3};
-use greenstick_fracture::cut::{CutError, Skin, Solid};
+use greenstick_fracture::cut::{Cut, CutError, Skin, Solid};
 use greenstick_fracture::layout::{SkinDepth, SkinPoint};
 use greenstick_fracture::recipe::Recipe;
 use greenstick_geometry::mesh::NO_MATERIAL;
@@ -69,7 +69,7 @@ pub struct PreparedStem {
     /// Grain space to the node's coordinates.
     chart: LayeredGrain,
     /// Lengths between which the map to grain space is affine, m.
-    pub levels: Vec<f64>,
+    levels: Vec<f64>,
     /// Triangles of the shell that is cut, before any was split because the stem is bent or its grain spirals.
     pub shell_triangles: usize,
     measured: Measured,
@@ -181,7 +181,7 @@ impl PreparedStem {
             parts: SplitTriangles::default(),
         };
         context.check()?;
-        let new = splitter.split(&layers, &transform, &found);
+        let (levels, new) = splitter.split(&layers, &transform, &found);
         context.check()?;
         found.limb = std::mem::take(&mut splitter.limb);
         found.shell.extend(new);
@@ -214,7 +214,7 @@ impl PreparedStem {
             skin,
             vertices,
             chart: layers.transformed(&transform.inverse()),
-            levels: layers.levels().collect(),
+            levels,
             shell_triangles,
             scene: {
                 scene.nodes[found.node].mesh = mesh.into();
@@ -294,6 +294,11 @@ impl PreparedStem {
             shell: &self.found.shell,
             limb: &self.found.limb,
         }
+    }
+
+    /// Splits the broken face of a cut of this stem at the levels of the grain.
+    pub fn split_at_levels(&self, cut: &mut Cut) {
+        cut.split_at_levels(&self.grain, &self.levels, levels::near(&self.found));
     }
 
     /// Returns the mesh as the source of pieces.

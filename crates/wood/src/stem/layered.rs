@@ -185,9 +185,10 @@ impl LayeredGrain {
         self.spiral != 0.0
     }
 
-    /// Levels, m, ascending: no straight edge should cross one.
+    /// Levels, m, ascending: no straight edge should cross one. Where grain is straight, the map goes on unchanged beyond the first
+    /// and the last.
     pub fn levels(&self) -> impl Iterator<Item = f64> + '_ {
-        self.levels.iter().map(|l| l.length)
+        self.lengths.iter().copied()
     }
 
     /// How far the section at `s` (m) is shifted sideways.
@@ -374,6 +375,27 @@ mod tests {
             assert!((l - (0.1 + 0.1 * i as f64)).abs() < 8.1e-3, "{l}");
             assert!((0.1..=1.0).contains(&l), "{l}");
         }
+    }
+
+    #[test]
+    fn straight_grain_goes_on_unchanged_beyond_its_first_and_last_level() {
+        let level = |length, x| Level {
+            length,
+            shift: DVec2::new(x, 0.0),
+        };
+        let mut bent = LayeredGrain::default();
+        bent.set_levels(vec![level(0.0, 0.1), level(0.5, 0.0), level(1.0, 0.2)]);
+        for (from, to) in [(0.5, 1.0), (0.5, 0.0)] {
+            let beyond = to + (to - from);
+            let line = bent.shift(to) + (bent.shift(to) - bent.shift(from));
+            assert!((bent.shift(beyond) - line).length() < 1e-15, "{to}");
+        }
+        // Spiral grain turns no further beyond its ends.
+        let spiral = bent.with_spiral(3.0, (0.2, 0.8), 10.0, &[]);
+        assert_eq!(
+            spiral.levels().collect::<Vec<_>>(),
+            [0.0, 0.2, 0.5, 0.8, 1.0]
+        );
     }
 
     #[test]

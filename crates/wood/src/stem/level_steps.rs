@@ -13,6 +13,9 @@ const STEPS_PER_LEVEL: usize = 4;
 /// assert_eq!(steps.count(&levels, 0.3), 2);
 /// assert_eq!(steps.count(&levels, 0.5), 3);
 /// assert_eq!(steps.count(&levels, -1.0), 0);
+///
+/// let one = LevelSteps::new(&[0.5]);
+/// assert_eq!([0.4, 0.5, 0.6].map(|s| one.count(&[0.5], s)), [0, 1, 1]);
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LevelSteps {

@@ -1,4 +1,4 @@
-//! The published smooth faces on a branch with furrowed bark: whole bark, thorns inside it, and heights as reported.
+//! Faces on a branch with furrowed bark: whole bark; and of the published smooth ones thorns inside it, and heights as reported.
 
 use crate::support;
 use glam::DVec3;
@@ -8,7 +8,7 @@ use greenstick::geometry::{Context, Mesh, Scene};
 use greenstick::session::Broken;
 use greenstick::wood::branch::branch_scene;
 use greenstick::wood::primitive::BranchOptions;
-use greenstick::{BreakRequest, break_scene};
+use greenstick::{BreakRequest, break_scene, built_in_branch};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
@@ -165,4 +165,31 @@ fn thorns_are_counted() {
     let count = broken(request).report.face.thorns as f64;
     // 0.1 of the cells of 0.6 of 40 rings and 150 of 360° of 50 sectors.
     assert!((count - 50.0).abs() < 3.0 * 50f64.sqrt(), "{count}");
+}
+
+#[test]
+fn fibrous_faces_leave_no_wood_bare_in_furrows_and_no_bark_on_splinters() {
+    let cases = [
+        "simple-tension",
+        "splintering-tension",
+        "twist",
+        "green-stick",
+    ];
+    let cases = cases.into_iter().flat_map(|name| [(name, 1), (name, 3)]);
+    cases
+        .collect::<Vec<_>>()
+        .into_par_iter()
+        .for_each(|(name, seed)| {
+            let mut request = support::request(0.5, &Default::default());
+            request.texture_width = 8;
+            let recipe = &mut request.breaks[0].recipe;
+            apply_preset(recipe, name).unwrap();
+            apply_setting(recipe, &format!("seed={seed}")).unwrap();
+            recipe.complete().unwrap();
+            let broken = break_scene(built_in_branch(), &request, &Context::quiet()).unwrap();
+            for node in &broken.scene.nodes[..2] {
+                let outlines = outlines(&node.mesh, broken.woods[0].material);
+                assert_eq!(outlines, 1, "{name}, seed {seed}, {}", node.name);
+            }
+        });
 }
