@@ -55,6 +55,7 @@ class RequestKeys(TypedDict, total=False):
     close_up: float | str | None
     ground: Literal["plain", "bench", "concrete", "litter"] | None
     depth_of_field: float | str | None
+    film_grain: float | str | None
     coin: bool
     chips: bool
     diameter: float | str
@@ -322,6 +323,11 @@ class RequestAttributes:
     @depth_of_field.setter
     def depth_of_field(self, value: float | str | None) -> None: ...
     @property
+    def film_grain(self) -> float | None:
+        """Grain of the picture, the noise of a sensor: 0 for none, 1 for that of very little light; 'auto' is a little on a ground and none before the plain backdrop. Pictures less than 900 pixels high have less. Unit: one."""
+    @film_grain.setter
+    def film_grain(self, value: float | str | None) -> None: ...
+    @property
     def coin(self) -> bool:
         """Lays a coin of one euro, 23 mm wide, in front of the wood, for scale."""
     @coin.setter
@@ -546,7 +552,7 @@ class RequestAttributes:
     @overload
     def __getitem__(self, key: Literal[
         "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
-        "depth_of_field", "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage",
+        "depth_of_field", "film_grain", "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage",
         "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ]) -> float | None: ...
     @overload
@@ -650,7 +656,7 @@ class RequestAttributes:
     @overload
     def __setitem__(self, key: Literal[
         "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
-        "depth_of_field", "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage",
+        "depth_of_field", "film_grain", "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage",
         "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ], value: float | str | None) -> None: ...
     @overload

@@ -13,6 +13,7 @@ mod denoise;
 mod drawing;
 mod error;
 mod focus;
+mod grain;
 mod ground;
 mod item;
 mod light;

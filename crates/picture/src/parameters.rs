@@ -143,6 +143,8 @@ parameters! {
             ground: Option<Ground> = None, choice(Ground::CHOICES).auto();
             /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; "auto" is a little on a ground and nothing before the plain backdrop.
             depth_of_field: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();
+            /// Grain of the picture, the noise of a sensor: 0 for none, 1 for that of very little light; "auto" is a little on a ground and none before the plain backdrop. Pictures less than 900 pixels high have less.
+            film_grain: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();
             /// Lays a coin of one euro, 23 mm wide, in front of the wood, for scale.
             coin: bool = false, flag();
             /// Strews chips of torn wood about a break.
@@ -167,6 +169,7 @@ impl PictureParameters {
             close_up: self.close_up,
             ground: self.ground,
             depth_of_field: self.depth_of_field,
+            film_grain: self.film_grain,
             coin: self.coin,
             chips: self.chips,
             ..PictureOptions::everything()

@@ -1,5 +1,6 @@
 //! Finished pictures: tone mapping and PNG.
 
+use crate::grain::Grain;
 use crate::light::luminance;
 use glam::Vec3;
 use greenstick_geometry::{Metadata, MetadataEntry};
@@ -80,7 +81,12 @@ const fn bayer() -> [[u8; 8]; 8] {
 
 impl Picture {
     /// Tone-maps linear radiance.
-    pub(crate) fn from_radiance(width: u32, height: u32, radiance: &[Vec3], film: Film) -> Picture {
+    pub(crate) fn from_radiance(
+        [width, height]: [u32; 2],
+        radiance: &[Vec3],
+        film: Film,
+        grain: f64,
+    ) -> Picture {
         let mut luminances: Vec<f32> = radiance.iter().map(|&l| luminance(l)).collect();
         let place = ((1.0 - HIGHLIGHT_SHARE) * luminances.len() as f64) as usize;
         let highlight = match place < luminances.len() {
@@ -98,13 +104,16 @@ impl Picture {
             let step = (place as usize).min(CURVE_STEPS - 1);
             curve[step] + (curve[step + 1] - curve[step]) * (place - step as f32)
         };
+        // Frames of a film differ in it, as their light does.
+        let grain = Grain::new(grain, height, highlight.to_bits());
         let rows = radiance.par_chunks(width as usize).enumerate();
         let rgb = rows
             .flat_map_iter(|(y, row)| {
-                let level = &level;
+                let (level, grain) = (&level, &grain);
                 row.iter().enumerate().flat_map(move |(x, l)| {
                     let above = (f32::from(DITHER[y % 8][x % 8]) + 0.5) / 64.0;
-                    l.to_array().map(|v| (level(v) + above) as u8)
+                    let levels = grain.over(l.to_array().map(level).into(), [x, y]);
+                    levels.to_array().map(|v| (v + above) as u8)
                 })
             })
             .collect();
@@ -167,7 +176,7 @@ mod tests {
     fn level(radiance: f32, film: Film) -> u8 {
         let mut all = vec![Vec3::splat(radiance); 1000];
         all[..20].fill(Vec3::splat(4.0));
-        Picture::from_radiance(1000, 1, &all, film).rgb[3 * 500]
+        Picture::from_radiance([1000, 1], &all, film, 0.0).rgb[3 * 500]
     }
 
     #[test]

@@ -41,6 +41,8 @@ pub struct PictureOptions {
     pub ground: Option<Ground>,
     /// How much what lies before and behind the focus is blurred, 0 to 1; `None` is a little on a ground that is shown.
     pub depth_of_field: Option<f64>,
+    /// Grain, 0 to 1; `None` is a little on a ground that is shown.
+    pub film_grain: Option<f64>,
     /// Whether a coin lies on the floor in front of the scene, for scale.
     pub coin: bool,
     /// Whether whoever opens broken wood for the picture strews chips of it about; [`render`] does not look at it.
@@ -76,6 +78,7 @@ impl PictureOptions {
             close_up: None,
             ground: None,
             depth_of_field: None,
+            film_grain: None,
             coin: false,
             chips: true,
             shown: Vec::new(),
@@ -95,6 +98,8 @@ const DRAFT_SCALE: u32 = 2;
 const DRAFT_SAMPLES: u32 = 4;
 /// Depth of field on a ground that is shown: the wood stays sharp, and what lies far behind it does not.
 const GROUND_DEPTH_OF_FIELD: f64 = 0.075;
+/// Grain on a ground that is shown: that of a good camera in a workshop.
+const GROUND_GRAIN: f64 = 0.45;
 /// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.
 const PROGRESS: [f64; 4] = [0.0, 0.3, 0.6, 0.7];
 
@@ -200,11 +205,12 @@ pub fn render(
         floor.ground = ShownGround::new(kind, &camera, up, scene.bounds.centre);
     }
     let is_ground_shown = studio.floor.as_ref().is_some_and(|f| f.ground.is_some());
-    let (usual, film) = match is_ground_shown {
-        true => (GROUND_DEPTH_OF_FIELD, Film::Photographic),
-        false => (0.0, Film::Even),
+    let (usual_depth, usual_grain, film) = match is_ground_shown {
+        true => (GROUND_DEPTH_OF_FIELD, GROUND_GRAIN, Film::Photographic),
+        false => (0.0, 0.0, Film::Even),
     };
-    let depth_of_field = options.depth_of_field.unwrap_or(usual);
+    let depth_of_field = options.depth_of_field.unwrap_or(usual_depth);
+    let grain = options.film_grain.unwrap_or(usual_grain);
     let frame = Frame {
         scene: &scene,
         studio: &studio,
@@ -215,7 +221,7 @@ pub fn render(
     };
     let radiance = radiance(&frame, depth_of_field, context)?;
     let radiance = enlarge(radiance, rendered, size);
-    Ok(Picture::from_radiance(size[0], size[1], &radiance, film))
+    Ok(Picture::from_radiance(size, &radiance, film, grain))
 }
 
 /// The camera of a picture of `size` pixels in which `points` are to be seen.

@@ -458,7 +458,7 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         transform: DAffine3::from_scale(DVec3::splat(0.1)),
         shader: &shader,
     }];
-    let with = |ground, floor, depth_of_field| {
+    let with_grain = |ground, floor, depth_of_field, film_grain| {
         let options = PictureOptions {
             width: 320,
             height: 240,
@@ -466,6 +466,7 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
             ground: Some(ground),
             floor,
             depth_of_field,
+            film_grain,
             view: View::Direction {
                 azimuth: 0.5,
                 elevation: 0.35,
@@ -478,6 +479,7 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         };
         render(&items, &options, &Context::quiet()).unwrap()
     };
+    let with = |ground, floor, depth| with_grain(ground, floor, depth, Some(0.0));
     let row = |picture: &Picture, y: usize| -> Vec<i32> {
         let at = |x: usize| i32::from(picture.rgb[(y * 320 + x) * 3 + 1]);
         (0..320).map(at).collect()
@@ -505,5 +507,10 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         // There is a ground only where there is a floor.
         let none = [ground, Ground::Plain].map(|g| with(g, false, Some(0.0)));
         assert_eq!(none[0], none[1]);
+        // Where nothing is said about grain, a ground has it and the plain backdrop has none.
+        assert_ne!(with_grain(ground, true, Some(0.0), None), sharp);
+        assert_eq!(with_grain(Ground::Plain, true, Some(0.0), None), plain);
+        let grained = with_grain(Ground::Plain, true, Some(0.0), Some(1.0));
+        assert!(roughness(&grained, 232) > 3 * roughness(&plain, 232));
     }
 }

@@ -249,6 +249,27 @@ fn a_recipe_may_hold_several_breaks_of_one_stem() {
 }
 
 #[test]
+fn several_breaks_of_a_bent_stem_leave_no_triangles_that_cross() {
+    let folder = Folder::new();
+    let text = "preset = \"brash\"\npart = \"2 cm\"\npart_clear = false\n\
+        [[breaks]]\nat = 0.25\nbreak.inclination = 4\n\
+        [[breaks]]\nat = 0.5\nbreak.inclination = 4\n\
+        [[breaks]]\nat = 0.75\nbreak.inclination = 15\n";
+    folder.write("three.toml", text);
+    let mut run = vec!["break", "--recipe", "three.toml", "-o", "three.glb"];
+    for setting in ["break.seed=2", "break.fuzz=0", "break.splinter_lean=0"] {
+        run.extend(["--set", setting]);
+    }
+    let run = folder.run(&run);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let check = folder.run(&["check", "--json", "three.glb"]);
+    assert_eq!(check.code, 0, "{}{}", check.out, check.err);
+    for mesh in json(&check.out)[0]["meshes"].as_array().unwrap() {
+        assert_eq!(mesh["self_intersections"]["crossing"], 0, "{mesh}");
+    }
+}
+
+#[test]
 fn units_scale_and_parts_move() {
     let folder = Folder::new();
     assert_eq!(folder.quick(&["-o", "m.stl"]).code, 0);

@@ -2,6 +2,7 @@
 
 use super::look::GroundSurface;
 use super::noise::{smoothstep, unit, value, visible};
+use super::scratches::Scratches;
 use glam::{Vec2, Vec3};
 
 /// Width of a plank and of the gap between planks, m, and the distance from its edge over which a plank is rounded.
@@ -47,11 +48,15 @@ const KNOT_RADII: (f32, f32) = (3e-3, 8e-3);
 /// How many times longer than wide a knot is, and by how many rings the figure bends about it.
 const KNOT_LENGTH: f32 = 1.5;
 const KNOT_BEND: f32 = 2.4;
-/// Cells with one scratch each, m; its half length in cells, half width, m, and change of brightness.
-const SCRATCHES: [f32; 2] = [0.047, 0.021];
-const SCRATCH_LENGTH: f32 = 0.36;
-const SCRATCH_WIDTH: f32 = 0.22e-3;
-const SCRATCH_SHADE: f32 = 0.30;
+/// Scratches of tools.
+const SCRATCHES: Scratches = Scratches {
+    seed: SEED ^ 0x5c7a,
+    cells: [0.047, 0.021],
+    length: 0.36,
+    width: 0.22e-3,
+    shade: 0.30,
+    dark: 0.6,
+};
 /// Distance between grains of saw dust, m, the share of places that have one in the dustiest parts, and its reflectance.
 const DUST_CELL: f32 = 2.3e-3;
 const DUST_SHARE: f32 = 0.30;
@@ -98,7 +103,7 @@ pub(super) fn bench(place: Vec2, footprint: f32) -> GroundSurface {
     for ((size, share), k) in STAINS.into_iter().zip(8..) {
         shade += share * visible(size, footprint) * value(SEED ^ k << 8, place / size);
     }
-    shade += scratches_at(place, footprint);
+    shade += SCRATCHES.at(place, footprint);
     let dirt =
         value(SEED ^ 0xd1, place / DIRT.0) + 0.5 * value(SEED ^ 0xd2, place / (0.3 * DIRT.0));
     shade -= DIRT.1 * smoothstep(0.25, 0.9, dirt) * visible(DIRT.0, footprint);
@@ -152,34 +157,6 @@ fn knot_at(grain: Vec2, plank: i32) -> Knot {
         knot.near = knot.near.max(1.0 / (1.0 + 0.12 * off.length_squared()));
     }
     knot
-}
-
-/// The change of brightness by scratches and dents.
-fn scratches_at(place: Vec2, footprint: f32) -> f32 {
-    let seen = (SCRATCH_WIDTH / (SCRATCH_WIDTH + 0.5 * footprint)).sqrt();
-    let mut shade = 0.0;
-    for (size, n) in SCRATCHES.into_iter().zip(0u32..) {
-        let at = place / size + Vec2::splat(0.37 * n as f32);
-        let cell = at.floor();
-        let draw = |k: u32| {
-            unit(
-                SEED ^ 0x5c7a ^ n << 12 ^ k << 24,
-                cell.x as i32,
-                cell.y as i32,
-            )
-        };
-        let off = at - cell - Vec2::splat(0.5);
-        // Directions by half angles keep to arithmetic that is the same on every machine.
-        let t = 4.0 * draw(0) - 2.0;
-        let along = Vec2::new(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
-        let length = SCRATCH_LENGTH * draw(1);
-        let beside = (off - along * off.dot(along).clamp(-length, length)).length() * size;
-        let wide = SCRATCH_WIDTH * (0.4 + 0.9 * draw(2)) + 0.5 * footprint;
-        let line = 1.0 - smoothstep(0.4 * wide, 1.4 * wide, beside);
-        let tone = if draw(3) < 0.6 { -1.0 } else { 0.7 };
-        shade += tone * SCRATCH_SHADE * draw(4) * line * seen * visible(0.3 * size, footprint);
-    }
-    shade
 }
 
 /// How much of a place grains of saw dust cover.

@@ -7,6 +7,7 @@ mod leaves;
 mod litter;
 mod look;
 mod noise;
+mod scratches;
 
 use crate::camera::Camera;
 use glam::{DVec2, DVec3, Vec3};

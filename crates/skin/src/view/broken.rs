@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Length of stem that is shown behind each face: in radii, and as a part of the face's height.
-const STUB_RADII: f64 = 0.5;
+const STUB_RADII: f64 = 1.6;
 const STUB_HEIGHT: f64 = 0.08;
 /// Ring coordinate from which on the face is near the skin: how far down there it reaches can be seen.
 const OUTER_RING: f64 = 0.85;

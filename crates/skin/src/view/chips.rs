@@ -7,18 +7,33 @@ use greenstick_wood::noise::{hash, unit};
 use std::f64::consts::TAU;
 
 /// Chips about each piece, and between two pieces, where most of them fall.
-const COUNT: i64 = 110;
-const COUNT_BETWEEN: i64 = 520;
-/// Least length and what the longest has more, m, on a stem of the reference radius, of slivers and of crumbs; most are short.
+const COUNT: i64 = 160;
+const COUNT_BETWEEN: i64 = 1500;
+/// Least length and what the longest has more, m, on a stem of the reference radius, of slivers, of crumbs, and of flakes of bark; most are
+/// short.
 const SLIVER_LENGTHS: (f64, f64) = (0.8e-3, 19e-3);
-const CRUMB_LENGTHS: (f64, f64) = (0.25e-3, 2.6e-3);
+const CRUMB_LENGTHS: (f64, f64) = (0.2e-3, 2.4e-3);
+const FLAKE_LENGTHS: (f64, f64) = (0.4e-3, 6.5e-3);
 /// Radius (m) of the stem on which chips have these lengths, and the range of the factor on them on others.
 const REFERENCE_RADIUS: f64 = 0.02;
 const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
-/// Widths of slivers and of crumbs as a part of their length, and thicknesses as a part of their width.
+/// Widths of slivers, crumbs and flakes as a part of their length, and thicknesses as a part of their width.
 const SLIVER_WIDTHS: (f64, f64) = (0.03, 0.16);
 const CRUMB_WIDTHS: (f64, f64) = (0.15, 0.55);
+const FLAKE_WIDTHS: (f64, f64) = (0.3, 0.8);
 const THICKNESSES: (f64, f64) = (0.12, 0.75);
+/// Width of the laths that a wide chip is torn from, m on a stem of the reference radius; how many it has at most; their thickness as a
+/// part of their width; and by how much of the length an end of one may lie short of the chip's.
+const LATH_WIDTH: f64 = 0.7e-3;
+const MOST_LATHS: f64 = 9.0;
+const LATH_THICKNESSES: (f64, f64) = (0.5, 1.1);
+const LATHS_TORN: f64 = 0.42;
+/// How far a lath reaches into its neighbours, in its widths.
+const LATH_OVERLAP: f64 = 0.22;
+/// Laths of a flake of bark, their thickness and how far their ends lie apart, likewise.
+const FLAKE_LATHS: f64 = 2.0;
+const FLAKE_THICKNESSES: (f64, f64) = (0.1, 0.4);
+const FLAKES_TORN: f64 = 0.5;
 /// Least width, m on a stem of the reference radius.
 const LEAST_WIDTH: f64 = 0.22e-3;
 /// How far from a piece's middle chips lie, in half its widths: from the piece's outside, most of them near.
@@ -31,9 +46,14 @@ const CLEAR_OF_PIECES: f64 = 0.52;
 const HEAPS: f64 = 5.0;
 const HEAP_SPREAD: f64 = 0.9;
 const SCATTERED: f64 = 0.35;
+/// Share of the chips between pieces that lie in heaps, how many those are, and how far they spread, widths of the section: what is torn
+/// out together falls together.
+const HEAPED: f64 = 0.62;
+const HEAPS_BETWEEN: f64 = 7.0;
+const HEAP_RADIUS: f64 = 0.55;
 /// Share of chips that are crumbs rather than slivers, and of those that are bark.
-const CRUMBS: f64 = 0.68;
-const BARK: f64 = 0.10;
+const CRUMBS: f64 = 0.8;
+const BARK: f64 = 0.05;
 /// How much of the length a chip is bowed up at its ends.
 const BOW: f64 = 0.06;
 /// How far from the pith the wood of chips grew at most, and the bark of others, radii.
@@ -43,7 +63,7 @@ const BARK_GROWN: f64 = 0.985;
 /// square.
 const SECTIONS: [f64; 4] = [0.0, 0.3, 0.72, 1.0];
 const MIDDLE: f64 = 0.95;
-const ENDS: (f64, f64) = (0.08, 1.0);
+const ENDS: (f64, f64) = (0.08, 1.15);
 /// In the hash: what random numbers are drawn for.
 const PURPOSE: u64 = 0xc419;
 /// The number of the place between the pieces, after those of the pieces.
@@ -91,6 +111,26 @@ fn within((least, extent): (f64, f64), part: f64) -> f64 {
     least + extent * part
 }
 
+/// A number between two, `part` of the way.
+fn between((low, high): (f64, f64), part: f64) -> f64 {
+    within((low, high - low), part)
+}
+
+/// A chip, as it lies and as it grew.
+struct Chip {
+    /// Its middle on the floor.
+    place: DVec3,
+    /// Unit directions along its grain and beside it, along the floor.
+    along: DVec3,
+    beside: DVec3,
+    /// Where its middle grew, m from the pith, and where it begins along the grain, m.
+    grown: DVec2,
+    foot: f64,
+    length: f64,
+    /// How far its ends are bowed up, m.
+    bow: f64,
+}
+
 /// Chips on a floor.
 struct Fallen<'a> {
     view: &'a BreakView<'a>,
@@ -129,8 +169,19 @@ impl Fallen<'_> {
         for number in 0..COUNT_BETWEEN {
             let seed = self.seed;
             let random = |k: i64| unit(seed, BETWEEN, number, k);
-            let distance = REACH_BETWEEN * width * random(0) * random(20);
-            let place = middle + self.direction(TAU * random(1)) * distance;
+            let place = if random(29) < HEAPED {
+                let heap = (HEAPS_BETWEEN * random(30)) as i64;
+                let of_heap = |k: i64| unit(seed, heap, -2, k);
+                let off = 0.5 * REACH_BETWEEN * width * of_heap(0).sqrt();
+                let spread =
+                    HEAP_RADIUS * width * (0.3 + of_heap(2)) * random(0).max(0.3 * random(20));
+                middle
+                    + self.direction(TAU * of_heap(1)) * off
+                    + self.direction(TAU * random(1)) * spread
+            } else {
+                let distance = REACH_BETWEEN * width * random(0) * random(20);
+                middle + self.direction(TAU * random(1)) * distance
+            };
             let clear = CLEAR_OF_PIECES * width;
             if middles.iter().all(|m| place.distance(*m) > clear) {
                 self.add(place, random);
@@ -143,44 +194,93 @@ impl Fallen<'_> {
         let radius = self.view.stem.radius;
         let size = (radius / REFERENCE_RADIUS).sqrt();
         let size = size.clamp(SIZE_RANGE.0, SIZE_RANGE.1);
-        let between = |(low, high): (f64, f64), part: f64| within((low, high - low), part);
+        let is_bark = self.view.stem.kind.has_bark() && random(25) < BARK;
         let (lengths, widths) = match random(24) < CRUMBS {
+            _ if is_bark => (FLAKE_LENGTHS, FLAKE_WIDTHS),
             true => (CRUMB_LENGTHS, CRUMB_WIDTHS),
             false => (SLIVER_LENGTHS, SLIVER_WIDTHS),
         };
         let length = size * within(lengths, random(2) * random(2) * random(3));
         let width =
             (length * between(widths, random(4))).max(size * LEAST_WIDTH * (0.5 + random(5)));
-        let thickness = width * between(THICKNESSES, random(6));
         let turn = TAU * random(7);
-        let (along, beside) = (self.direction(turn), self.direction(turn + 0.25 * TAU));
         // The wood that it was.
         let (sin, cos) = libm::sincos(TAU * random(8));
-        let part = match self.view.stem.kind.has_bark() && random(25) < BARK {
+        let part = match is_bark {
             true => BARK_GROWN,
             false => OUTERMOST * random(9).sqrt(),
         };
-        let grown = DVec2::new(cos, sin) * (part * radius);
-        let grown = grown.extend(self.view.stem.location + 0.5 * length * (random(10) - 0.5));
+        let chip = Chip {
+            place,
+            along: self.direction(turn),
+            beside: self.direction(turn + 0.25 * TAU),
+            grown: DVec2::new(cos, sin) * (part * radius),
+            foot: self.view.stem.location + 0.5 * length * (random(10) - 0.5),
+            length,
+            bow: BOW * length * random(11),
+        };
+        // A wide chip is of laths side by side, none of which is torn where its neighbour is.
+        let laths = (width / (size * LATH_WIDTH)).ceil();
+        let count = laths.clamp(1.0, if is_bark { FLAKE_LATHS } else { MOST_LATHS }) as i64;
+        let mut edge = -0.5 * width;
+        for lath in 0..count {
+            let random = |k: i64| random(40 + 20 * lath + k);
+            let wide = width / count as f64;
+            let thickness = match count {
+                _ if is_bark => wide * between(FLAKE_THICKNESSES, random(6)),
+                1 => wide * between(THICKNESSES, random(6)),
+                _ => wide * between(LATH_THICKNESSES, random(6)),
+            };
+            let torn = match count {
+                1 => 0.0,
+                _ if is_bark => FLAKES_TORN,
+                _ => LATHS_TORN,
+            };
+            let ends = [
+                torn * random(0) * random(1),
+                1.0 - torn * random(2) * random(3),
+            ];
+            let over = if count == 1 { 0.0 } else { LATH_OVERLAP * wide };
+            let edges = [edge - over, edge + wide + over];
+            self.add_lath(&chip, edges, ends, (thickness, &random));
+            edge += wide;
+        }
+    }
+
+    /// Adds a lath of a chip between two edges, m beside its axis, and two ends, parts of its length, with a thickness (m).
+    fn add_lath(
+        &mut self,
+        chip: &Chip,
+        [left, right]: [f64; 2],
+        [start, end]: [f64; 2],
+        (thickness, random): (f64, &impl Fn(i64) -> f64),
+    ) {
         let first = self.mesh.positions.len() as u32;
+        let outward = chip.grown.normalize_or(DVec2::X);
         let swells = [
-            between(ENDS, random(26)),
+            between(ENDS, random(7)),
             MIDDLE,
             1.0,
-            between(ENDS, random(27) * random(28)),
+            between(ENDS, random(8).min(random(9))),
         ];
-        for (part, swell) in SECTIONS.into_iter().zip(swells) {
+        for (section, swell) in SECTIONS.into_iter().zip(swells) {
+            let part = start + (end - start) * section;
             let off_middle = 2.0 * part - 1.0;
-            let height = BOW * length * off_middle * off_middle * random(11);
+            let height = chip.bow * off_middle * off_middle;
             // Neither edge is straight.
-            let aside = 0.45 * width * (random(12 + (part * 4.0) as i64) - 0.5);
+            let aside = 0.45 * (right - left) * (random(10 + (section * 4.0) as i64) - 0.5);
             for (side, above) in [(-0.5, 0.0), (0.5, 0.0), (0.4, 1.0), (-0.4, 1.0)] {
-                let across = side * width * swell + aside;
+                let across = 0.5 * (left + right) + side * (right - left) * swell + aside;
                 let raised = height + above * thickness * swell.max(0.4);
                 (self.mesh.positions).push(
-                    place + along * (length * (part - 0.5)) + beside * across + self.up * raised,
+                    chip.place
+                        + chip.along * (chip.length * (part - 0.5))
+                        + chip.beside * across
+                        + self.up * raised,
                 );
-                let at = grown + DVec3::new(across, above * thickness, length * part);
+                // Wide along the ring, as flakes of bark are.
+                let at = chip.grown + outward.perp() * across - outward * (above * thickness);
+                let at = at.extend(chip.foot + chip.length * part);
                 self.grain.extend(at.as_vec3().to_array());
             }
         }
