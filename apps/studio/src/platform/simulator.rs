@@ -180,8 +180,9 @@ fn draw_frames(queue: &Receiver<(usize, Look)>, artist: &Artist, teller: &Teller
             next = newer;
         }
         let (number, look) = next;
-        let drawn = (locked(artist).as_mut()).map(|artist| artist.draw(number, look));
-        match drawn {
+        // Told before another film can be taken, whose news then comes later.
+        let mut artist = locked(artist);
+        match artist.as_mut().map(|artist| artist.draw(number, look)) {
             Some(Ok(scene)) => teller.tell(News::Frame(number, look, Box::new(scene))),
             Some(Err(failure)) => teller.tell(News::Ended(Err(failure))),
             None => {}

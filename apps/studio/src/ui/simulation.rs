@@ -84,6 +84,7 @@ impl Studio {
             playback: Playback::default(),
             asked: None,
             shown: None,
+            is_outdated: false,
             drawn: None,
             rest_radius: 1.0,
             camera_before: before.map_or(self.camera, |b| b.camera_before),
@@ -130,7 +131,7 @@ impl Studio {
         let paused = self.simulation.as_ref().is_some_and(|s| s.paused);
         let works = self.platform.progress(Lane::Simulation).is_some() && !paused;
         let waits = |s: &SimulationView| {
-            let is_there = s.frames() == 0 || s.shown == Some(s.wanted());
+            let is_there = s.frames() == 0 || s.is_shown();
             !is_there || s.asked.is_some() || s.takes || s.playback.playing
         };
         works || self.simulation.as_ref().is_some_and(waits)
@@ -170,6 +171,7 @@ impl Studio {
             News::Ended(Err(failure)) => {
                 // A frame that cannot be drawn is not asked for again.
                 simulation.shown = simulation.asked.take().or(simulation.shown);
+                simulation.is_outdated = false;
                 let nothing = simulation.frames() == 0;
                 self.fail(&failure);
                 if nothing {
@@ -178,12 +180,13 @@ impl Studio {
             }
             News::Wood(wood) => {
                 // What shows the run best may be another now.
-                simulation.shown = simulation.shown.filter(|s| s.1 != Look::Best);
+                simulation.is_outdated = simulation.shown.is_some_and(|s| s.1 == Look::Best);
                 simulation.wood = Some(wood.map(drop));
             }
             News::Frame(number, look, frame) => {
                 simulation.asked = None;
                 simulation.shown = Some((number, look));
+                simulation.is_outdated = false;
                 let first = simulation.drawn.is_none();
                 self.numbers += 1;
                 simulation.rest_radius = frame.rest_radius as f32;
@@ -266,8 +269,7 @@ impl Studio {
             ctx.request_repaint();
         }
         let wanted = simulation.wanted();
-        let is_there = simulation.shown == Some(wanted);
-        if count > 0 && !is_there && simulation.asked.is_none() {
+        if count > 0 && !simulation.is_shown() && simulation.asked.is_none() {
             simulation.asked = Some(wanted);
             self.platform.draw_frame(wanted.0, wanted.1);
         }

@@ -72,6 +72,8 @@ pub struct SimulationView {
     pub asked: Option<(usize, Look)>,
     /// The frame that is shown.
     pub shown: Option<(usize, Look)>,
+    /// Whether the frame that is shown would be drawn otherwise by now.
+    pub is_outdated: bool,
     /// The frame as the card draws it, with a number that tells it apart.
     pub drawn: Option<(u64, Arc<DrawnScene>)>,
     /// Radius of everything before it moved, m.
@@ -93,5 +95,10 @@ impl SimulationView {
     /// The frame that is to be shown, and how.
     pub(super) fn wanted(&self) -> (usize, Look) {
         (self.playback.at, self.look)
+    }
+
+    /// Whether it is shown so.
+    pub(super) fn is_shown(&self) -> bool {
+        self.shown == Some(self.wanted()) && !self.is_outdated
     }
 }
