@@ -11,8 +11,6 @@ pub struct Card {
     pub(super) device: Option<(wgpu::Device, wgpu::Queue)>,
     /// Why it was lost, once it was.
     pub(super) lost: Arc<Mutex<Option<String>>>,
-    /// Whether it is the processor, which draws slowly.
-    pub(super) is_slow: bool,
     /// Where the window was when it was drawn last, in points of the display.
     pub(super) place: WindowPlace,
 }

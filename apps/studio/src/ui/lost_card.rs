@@ -4,6 +4,7 @@
 use super::card::{Card, WindowPlace};
 use super::studio::Studio;
 use crate::view::renderer::Renderer;
+use crate::view::sharpness::Sharpness;
 use eframe::egui;
 use eframe::egui_wgpu::RenderState;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -46,9 +47,10 @@ impl Studio {
         self.card = Card {
             device: Some((state.device.clone(), state.queue.clone())),
             lost,
-            is_slow: state.adapter.get_info().device_type == wgpu::DeviceType::Cpu,
             place: self.card.place,
         };
+        let is_processor = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        self.sharpness = Sharpness::new(is_processor);
     }
 
     /// Why the graphics device was lost, if it was.

@@ -19,6 +19,7 @@ use crate::model::section::{Plane, SectionFaces};
 use crate::platform::{Opened, Platform, Settings};
 use crate::view::camera::Camera;
 use crate::view::frame::Colours;
+use crate::view::sharpness::Sharpness;
 use eframe::egui;
 use glam::Vec3;
 use greenstick::RequestFile;
@@ -56,7 +57,7 @@ pub struct ViewOptions {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct AtWork {
     pub number: u64,
-    drag: bool,
+    pub drag: bool,
     pub haste: Haste,
     pub since: f64,
 }
@@ -98,6 +99,10 @@ pub struct Studio {
     pub(super) said: String,
     /// The graphics card.
     pub(super) card: Card,
+    /// How sharp the picture is while it moves.
+    pub(super) sharpness: Sharpness,
+    /// The camera of the frame before.
+    pub(super) camera_seen: Camera,
     /// What the picture of the next result is asked with, and whether it is a drag.
     pub(super) wanted: Option<bool>,
     pub(super) at_work: Option<AtWork>,
@@ -167,6 +172,8 @@ impl Studio {
             gallery: true,
             said: String::new(),
             card: Card::default(),
+            sharpness: Sharpness::new(false),
+            camera_seen: Camera::default(),
             wanted: Some(false),
             at_work: None,
             last_seconds: 0.0,

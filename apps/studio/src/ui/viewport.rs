@@ -7,6 +7,7 @@ use crate::model::section::{Plane, SectionFaces, section_faces};
 use crate::platform::Lane;
 use crate::view::frame::{Colours, View};
 use crate::view::pick::{Picked, pick};
+use crate::view::sharpness::Motion;
 use eframe::egui::{
     self, Align2, Color32, CursorIcon, Event, FontId, MouseWheelUnit, PointerButton, Pos2, Rect,
     RichText, Sense, Ui, Vec2,
@@ -281,18 +282,28 @@ impl Studio {
         }
     }
 
-    fn paint(&mut self, ui: &Ui, rect: Rect, moving: bool) {
-        // A processor that draws is slow: while the camera moves, it draws fewer pixels.
-        let scale = ui.pixels_per_point()
-            * if moving && self.card.is_slow {
-                0.5
-            } else {
-                1.0
-            };
-        let size = [rect.width(), rect.height()].map(|s| ((s * scale) as u32).clamp(1, 8192));
-        if moving && self.card.is_slow {
-            ui.ctx().request_repaint();
+    /// What moves in the picture; `held` where the pointer moves something in it.
+    fn motion(&mut self, held: bool) -> Motion {
+        let turned = std::mem::replace(&mut self.camera_seen, self.camera) != self.camera;
+        let follows = self.rests_at.is_some() || self.at_work.is_some_and(|w| w.drag);
+        let plays = self.simulation.as_ref().is_some_and(|s| s.playback.playing);
+        match held {
+            true if turned => Motion::Camera,
+            true => Motion::Held,
+            false if follows || plays || self.is_live() => Motion::Scene,
+            false => Motion::Rest,
         }
+    }
+
+    fn paint(&mut self, ui: &Ui, rect: Rect, moving: bool) {
+        let motion = self.motion(moving);
+        let (now, seconds) = ui.input(|i| (i.time, f64::from(i.unstable_dt)));
+        let (side, again) = self.sharpness.next(now, seconds, motion);
+        if let Some(after) = again {
+            ui.ctx().request_repaint_after_secs(after as f32);
+        }
+        let scale = ui.pixels_per_point() * side;
+        let size = [rect.width(), rect.height()].map(|s| ((s * scale) as u32).clamp(1, 8192));
         let background = if self.settings.dark {
             [0.060, 0.064, 0.070]
         } else {

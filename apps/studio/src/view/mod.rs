@@ -7,3 +7,4 @@ pub mod pick;
 pub mod renderer;
 mod resources;
 mod section;
+pub mod sharpness;
