@@ -56,6 +56,7 @@ class RequestKeys(TypedDict, total=False):
     ground: Literal["plain", "bench", "concrete", "litter"] | None
     depth_of_field: float | str | None
     film_grain: float | str | None
+    lens_softness: float | str | None
     coin: bool
     chips: bool
     diameter: float | str
@@ -328,6 +329,11 @@ class RequestAttributes:
     @film_grain.setter
     def film_grain(self, value: float | str | None) -> None: ...
     @property
+    def lens_softness(self) -> float | None:
+        """Softness of the lens: 0 for none, 1 for that of a poor one, which spreads each point by a pixel and a half and has a glow about what is bright; 'auto' is a little on a ground and none before the plain backdrop. Unit: one."""
+    @lens_softness.setter
+    def lens_softness(self, value: float | str | None) -> None: ...
+    @property
     def coin(self) -> bool:
         """Lays a coin of one euro, 23 mm wide, in front of the wood, for scale."""
     @coin.setter
@@ -552,8 +558,8 @@ class RequestAttributes:
     @overload
     def __getitem__(self, key: Literal[
         "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
-        "depth_of_field", "film_grain", "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage",
-        "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
+        "depth_of_field", "film_grain", "lens_softness", "splinter_lean", "splinter_snap",
+        "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ]) -> float | None: ...
     @overload
     def __getitem__(self, key: Literal[
@@ -656,8 +662,8 @@ class RequestAttributes:
     @overload
     def __setitem__(self, key: Literal[
         "every", "eccentricity_onset", "inner_circle", "moisture", "latewood_contrast", "close_up",
-        "depth_of_field", "film_grain", "splinter_lean", "splinter_snap", "crack_groups.large.shrinkage",
-        "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
+        "depth_of_field", "film_grain", "lens_softness", "splinter_lean", "splinter_snap",
+        "crack_groups.large.shrinkage", "crack_groups.medium.shrinkage", "crack_groups.small.shrinkage",
     ], value: float | str | None) -> None: ...
     @overload
     def __setitem__(self, key: Literal[

@@ -16,6 +16,7 @@ mod focus;
 mod grain;
 mod ground;
 mod item;
+mod lens;
 mod light;
 mod lighting;
 mod parameters;

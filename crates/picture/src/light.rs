@@ -46,9 +46,9 @@ pub(crate) struct Studio {
     pub background: [Vec3; 2],
 }
 
-/// Cosine of the angular radius of the key light (5°): its shadows show the shapes of splinters, with edges as soft as those of a
-/// sun behind thin cloud.
-const KEY_LIGHT_COSINE: f32 = 0.9962;
+/// Cosine of the angular radius of the key light (1.5°): its shadows show the shapes of splinters, with edges as soft as those of a
+/// sun behind haze.
+const KEY_LIGHT_COSINE: f32 = 0.99966;
 /// Cosine of the angular radius of the rim light (20°).
 const RIM_LIGHT_COSINE: f32 = 0.94;
 /// Radiance of the floor as seen from items: it returns the warm key light.

@@ -8,6 +8,7 @@ use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
 use crate::focus::spread;
 use crate::ground::{FallenLeaves, Ground, ShownGround};
 use crate::item::Item;
+use crate::lens::soften;
 use crate::light::Studio;
 use crate::picture::{Film, Picture};
 use crate::resolve::{Frame, Resolve};
@@ -43,6 +44,8 @@ pub struct PictureOptions {
     pub depth_of_field: Option<f64>,
     /// Grain, 0 to 1; `None` is a little on a ground that is shown.
     pub film_grain: Option<f64>,
+    /// Softness of the lens, 0 to 1; `None` is a little on a ground that is shown.
+    pub lens_softness: Option<f64>,
     /// Whether a coin lies on the floor in front of the scene, for scale.
     pub coin: bool,
     /// Whether whoever opens broken wood for the picture strews chips of it about; [`render`] does not look at it.
@@ -79,6 +82,7 @@ impl PictureOptions {
             ground: None,
             depth_of_field: None,
             film_grain: None,
+            lens_softness: None,
             coin: false,
             chips: true,
             shown: Vec::new(),
@@ -100,6 +104,8 @@ const DRAFT_SAMPLES: u32 = 4;
 const GROUND_DEPTH_OF_FIELD: f64 = 0.075;
 /// Grain on a ground that is shown: that of a good camera in a workshop.
 const GROUND_GRAIN: f64 = 0.45;
+/// Softness of the lens on a ground that is shown: that of a good one.
+const GROUND_SOFTNESS: f64 = 0.5;
 /// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.
 const PROGRESS: [f64; 4] = [0.0, 0.3, 0.6, 0.7];
 
@@ -205,12 +211,14 @@ pub fn render(
         floor.ground = ShownGround::new(kind, &camera, up, scene.bounds.centre);
     }
     let is_ground_shown = studio.floor.as_ref().is_some_and(|f| f.ground.is_some());
-    let (usual_depth, usual_grain, film) = match is_ground_shown {
-        true => (GROUND_DEPTH_OF_FIELD, GROUND_GRAIN, Film::Photographic),
-        false => (0.0, 0.0, Film::Even),
+    let film = match is_ground_shown {
+        true => Film::Photographic,
+        false => Film::Even,
     };
-    let depth_of_field = options.depth_of_field.unwrap_or(usual_depth);
-    let grain = options.film_grain.unwrap_or(usual_grain);
+    let on_ground = |usual: f64| if is_ground_shown { usual } else { 0.0 };
+    let depth_of_field = (options.depth_of_field).unwrap_or(on_ground(GROUND_DEPTH_OF_FIELD));
+    let grain = options.film_grain.unwrap_or(on_ground(GROUND_GRAIN));
+    let softness = (options.lens_softness).unwrap_or(on_ground(GROUND_SOFTNESS));
     let frame = Frame {
         scene: &scene,
         studio: &studio,
@@ -221,6 +229,7 @@ pub fn render(
     };
     let radiance = radiance(&frame, depth_of_field, context)?;
     let radiance = enlarge(radiance, rendered, size);
+    let radiance = soften(radiance, size.map(|n| n as usize), softness);
     Ok(Picture::from_radiance(size, &radiance, film, grain))
 }
 

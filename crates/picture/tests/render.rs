@@ -458,7 +458,7 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         transform: DAffine3::from_scale(DVec3::splat(0.1)),
         shader: &shader,
     }];
-    let with_grain = |ground, floor, depth_of_field, film_grain| {
+    let with_all = |ground, floor, depth_of_field, film_grain, lens_softness| {
         let options = PictureOptions {
             width: 320,
             height: 240,
@@ -467,6 +467,7 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
             floor,
             depth_of_field,
             film_grain,
+            lens_softness,
             view: View::Direction {
                 azimuth: 0.5,
                 elevation: 0.35,
@@ -479,7 +480,7 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         };
         render(&items, &options, &Context::quiet()).unwrap()
     };
-    let with = |ground, floor, depth| with_grain(ground, floor, depth, Some(0.0));
+    let with = |ground, floor, depth| with_all(ground, floor, depth, Some(0.0), Some(0.0));
     let row = |picture: &Picture, y: usize| -> Vec<i32> {
         let at = |x: usize| i32::from(picture.rgb[(y * 320 + x) * 3 + 1]);
         (0..320).map(at).collect()
@@ -507,10 +508,14 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         // There is a ground only where there is a floor.
         let none = [ground, Ground::Plain].map(|g| with(g, false, Some(0.0)));
         assert_eq!(none[0], none[1]);
-        // Where nothing is said about grain, a ground has it and the plain backdrop has none.
-        assert_ne!(with_grain(ground, true, Some(0.0), None), sharp);
-        assert_eq!(with_grain(Ground::Plain, true, Some(0.0), None), plain);
-        let grained = with_grain(Ground::Plain, true, Some(0.0), Some(1.0));
+        // Where nothing is said about grain and the lens, a ground has them and the plain backdrop has none.
+        let (no, full) = (Some(0.0), Some(1.0));
+        assert_ne!(with_all(ground, true, no, None, no), sharp);
+        assert_ne!(with_all(ground, true, no, no, None), sharp);
+        assert_eq!(with_all(Ground::Plain, true, no, None, None), plain);
+        let grained = with_all(Ground::Plain, true, no, full, no);
         assert!(roughness(&grained, 232) > 3 * roughness(&plain, 232));
+        let softened = with_all(ground, true, no, no, full);
+        assert!(20 * roughness(&softened, 232) < 19 * roughness(&sharp, 232));
     }
 }

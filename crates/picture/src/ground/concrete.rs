@@ -9,9 +9,9 @@ use glam::{Vec2, Vec3};
 const CONCRETE: Vec3 = Vec3::new(0.196, 0.190, 0.180);
 const SOAKED: Vec3 = Vec3::new(0.80, 0.77, 0.72);
 /// Clouds of cement paste: size, m, and share of the brightness.
-const CLOUDS: [(f32, f32); 4] = [(0.37, 0.07), (0.12, 0.04), (0.041, 0.04), (0.013, 0.06)];
+const CLOUDS: [(f32, f32); 4] = [(0.37, 0.03), (0.12, 0.02), (0.041, 0.03), (0.013, 0.075)];
 /// Worn patches with ragged edges: size, m, and share of the brightness by which they are lighter or darker.
-const PATCHES: [(f32, f32); 2] = [(0.085, 0.095), (0.031, 0.085)];
+const PATCHES: [(f32, f32); 2] = [(0.085, 0.055), (0.031, 0.08)];
 /// Scuffs of what was dragged over the floor.
 const SCUFFS: Scratches = Scratches {
     seed: SEED ^ 0x5c1f,
@@ -31,7 +31,7 @@ const SAND: [(f32, f32, f32); 3] = [
 const STROKES: (Vec2, f32) = (Vec2::new(0.19, 7e-3), 0.055);
 /// Size of stains, m, and how much of such a place is soaked.
 const STAIN: f32 = 0.29;
-const STAIN_SHARE: f32 = 0.85;
+const STAIN_SHARE: f32 = 0.6;
 /// Distance between places of pores, m, and the share of them that have one; radii in that distance; and what is left of the light
 /// in one.
 const PORE_CELLS: [(f32, f32); 2] = [(17e-3, 0.30), (5.1e-3, 0.30)];
@@ -45,7 +45,7 @@ const PORE_SLOPE: f32 = 0.7;
 /// distance; and how much lighter or darker they are.
 const GRAIN_CELLS: [(f32, f32); 3] = [(6.5e-3, 0.4), (2.3e-3, 0.55), (1.1e-3, 0.5)];
 const GRAIN_RADII: (f32, f32) = (0.06, 0.24);
-const GRAIN_TONE: f32 = 0.42;
+const GRAIN_TONE: f32 = 0.46;
 /// Size of the pattern of hairline cracks, m; half their width, m; what is left of the light in them; and the share of lines that are
 /// open.
 const CRACK_SIZE: f32 = 0.34;

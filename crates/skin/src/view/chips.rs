@@ -21,7 +21,7 @@ const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
 const SLIVER_WIDTHS: (f64, f64) = (0.03, 0.16);
 const CRUMB_WIDTHS: (f64, f64) = (0.15, 0.55);
 const FLAKE_WIDTHS: (f64, f64) = (0.3, 0.8);
-const THICKNESSES: (f64, f64) = (0.12, 0.75);
+const THICKNESSES: (f64, f64) = (0.25, 0.9);
 /// Width of the laths that a wide chip is torn from, m on a stem of the reference radius; how many it has at most; their thickness as a
 /// part of their width; and by how much of the length an end of one may lie short of the chip's.
 const LATH_WIDTH: f64 = 0.7e-3;
@@ -55,10 +55,13 @@ const HEAP_RADIUS: f64 = 0.55;
 const CRUMBS: f64 = 0.8;
 const BARK: f64 = 0.05;
 /// How much of the length a chip is bowed up at its ends.
-const BOW: f64 = 0.06;
+const BOW: f64 = 0.08;
+/// Share of chips that lie on others or on sand, and how much of the length their higher end is raised at most.
+const RAISED: f64 = 0.5;
+const RAISED_END: f64 = 0.22;
 /// How far from the pith the wood of chips grew at most, and the bark of others, radii.
 const OUTERMOST: f64 = 0.85;
-const BARK_GROWN: f64 = 0.985;
+const BARK_GROWN: f64 = 0.999;
 /// Parts of the length at which a chip has a section, and its width in the middle; both ends are torn, some to a point and some nearly
 /// square.
 const SECTIONS: [f64; 4] = [0.0, 0.3, 0.72, 1.0];
@@ -127,8 +130,9 @@ struct Chip {
     grown: DVec2,
     foot: f64,
     length: f64,
-    /// How far its ends are bowed up, m.
+    /// How far its ends are bowed up, and how far its far end is raised above the other, m.
     bow: f64,
+    raised: f64,
 }
 
 /// Chips on a floor.
@@ -218,6 +222,10 @@ impl Fallen<'_> {
             foot: self.view.stem.location + 0.5 * length * (random(10) - 0.5),
             length,
             bow: BOW * length * random(11),
+            raised: match random(12) < RAISED {
+                true => RAISED_END * length * random(13) * random(14),
+                false => 0.0,
+            },
         };
         // A wide chip is of laths side by side, none of which is torn where its neighbour is.
         let laths = (width / (size * LATH_WIDTH)).ceil();
@@ -266,7 +274,7 @@ impl Fallen<'_> {
         for (section, swell) in SECTIONS.into_iter().zip(swells) {
             let part = start + (end - start) * section;
             let off_middle = 2.0 * part - 1.0;
-            let height = chip.bow * off_middle * off_middle;
+            let height = chip.bow * off_middle * off_middle + chip.raised * part;
             // Neither edge is straight.
             let aside = 0.45 * (right - left) * (random(10 + (section * 4.0) as i64) - 0.5);
             for (side, above) in [(-0.5, 0.0), (0.5, 0.0), (0.4, 1.0), (-0.4, 1.0)] {
