@@ -252,7 +252,11 @@ fn file_hint(error: &FileError) -> Option<String> {
                     "--allow-outside lets a scene name files outside of its folder".to_owned(),
                 );
             }
-            similar_file(path).map(|name| format!("there is a file {name}"))
+            let similar = similar_file(path).map(|name| format!("there is a file {name}"));
+            match source.kind() {
+                std::io::ErrorKind::NotFound => similar.or_else(|| looked_for(path)),
+                _ => similar,
+            }
         }
         FileError::Content(FormatError::Truncated { .. } | FormatError::Empty { .. }) => {
             Some("export or download the file again".to_owned())
@@ -368,6 +372,18 @@ fn similar_file(path: &Path) -> Option<String> {
     Some(path.with_file_name(found).display().to_string())
 }
 
+/// Says where a file that does not exist was looked for.
+fn looked_for(path: &Path) -> Option<String> {
+    let whole = std::path::absolute(path).ok()?;
+    let folder = whole.parent()?;
+    let problem = match folder.is_dir() {
+        true => "it was looked for in",
+        false => "there is no folder",
+    };
+    let folder = folder.display();
+    Some(format!("{problem} {folder}; name it by its whole path"))
+}
+
 /// Formats a location so that it can be typed, whatever the unit of the file.
 fn option_text(location: &StemLocation) -> String {
     match location {
@@ -451,6 +467,23 @@ mod tests {
         );
         let other = sweep(ErrorKind::PermissionDenied.into()).unwrap();
         assert!(!other.contains("room"), "{other}");
+    }
+
+    #[test]
+    fn a_file_that_is_nowhere_has_a_hint_at_where_it_was_looked_for() {
+        let hint = |path: &Path| {
+            let source = std::io::ErrorKind::NotFound.into();
+            let path = path.to_owned();
+            Failure::from(FileError::Unreadable { path, source })
+                .hint
+                .unwrap()
+        };
+        let folder = std::env::temp_dir();
+        let there = hint(&folder.join("no file of such a name is here.glb"));
+        let whole = "; name it by its whole path";
+        assert!(there.starts_with("it was looked for in") && there.ends_with(whole));
+        let nowhere = hint(&folder.join("no folder of such a name/wood.glb"));
+        assert!(nowhere.starts_with("there is no folder") && nowhere.ends_with(whole));
     }
 
     #[test]
