@@ -330,7 +330,7 @@ class RequestAttributes:
     def film_grain(self, value: float | str | None) -> None: ...
     @property
     def lens_softness(self) -> float | None:
-        """Softness of the lens: 0 for none, 1 for that of a poor one, which spreads each point by a pixel and a half and has a glow about what is bright; 'auto' is a little on a ground and none before the plain backdrop. Unit: one."""
+        """Softness of the lens: 0 for none, 1 for that of a poor one, which spreads each point by a pixel and a half and has a glow about what is bright; 'auto' is a little on a ground and none before the plain backdrop. Pictures less than 900 pixels high are spread less. Unit: one."""
     @lens_softness.setter
     def lens_softness(self, value: float | str | None) -> None: ...
     @property

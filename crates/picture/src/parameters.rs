@@ -145,7 +145,7 @@ parameters! {
             depth_of_field: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();
             /// Grain of the picture, the noise of a sensor: 0 for none, 1 for that of very little light; "auto" is a little on a ground and none before the plain backdrop. Pictures less than 900 pixels high have less.
             film_grain: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();
-            /// Softness of the lens: 0 for none, 1 for that of a poor one, which spreads each point by a pixel and a half and has a glow about what is bright; "auto" is a little on a ground and none before the plain backdrop.
+            /// Softness of the lens: 0 for none, 1 for that of a poor one, which spreads each point by a pixel and a half and has a glow about what is bright; "auto" is a little on a ground and none before the plain backdrop. Pictures less than 900 pixels high are spread less.
             lens_softness: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();
             /// Lays a coin of one euro, 23 mm wide, in front of the wood, for scale.
             coin: bool = false, flag();

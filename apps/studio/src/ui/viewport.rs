@@ -287,11 +287,12 @@ impl Studio {
         let turned = std::mem::replace(&mut self.camera_seen, self.camera) != self.camera;
         let follows = self.rests_at.is_some() || self.at_work.is_some_and(|w| w.drag);
         let plays = self.simulation.as_ref().is_some_and(|s| s.playback.playing);
-        match held {
-            true if turned => Motion::Camera,
-            true => Motion::Held,
-            false if follows || plays || self.is_live() => Motion::Scene,
-            false => Motion::Rest,
+        if held && turned {
+            Motion::Camera
+        } else if held || follows || plays || self.is_live() {
+            Motion::Scene
+        } else {
+            Motion::Rest
         }
     }
 

@@ -17,10 +17,8 @@ const REST: f64 = 0.2;
 pub enum Motion {
     /// Nothing.
     Rest,
-    /// What is looked at: it is played, or follows a slider.
+    /// What is looked at, which is played or follows a slider, or a hand holds the picture still.
     Scene,
-    /// A hand that turns the picture and holds still.
-    Held,
     /// The camera.
     Camera,
 }
@@ -121,9 +119,9 @@ mod tests {
         turned(&mut sharpness, 0.004, 100);
         assert_eq!(sharpness.next(9.0, 0.01, Motion::Camera).0, 1.0);
         // A pause before the picture moves says nothing of the card.
-        for motion in [Motion::Held, Motion::Scene, Motion::Rest] {
+        for motion in [Motion::Scene, Motion::Rest] {
             sharpness.next(20.0, 0.01, motion);
-            assert_eq!(sharpness.next(30.0, 10.0, Motion::Held).0, 1.0);
+            assert_eq!(sharpness.next(30.0, 10.0, Motion::Scene).0, 1.0);
         }
     }
 
