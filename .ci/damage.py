@@ -38,7 +38,7 @@ TIMES_FILE = 12
 NUMBERS = [b"nan", b"inf", b"-1", b"0", b"1e300", b"-1e-300", b"1e19", b"99999999999999999999", b"4294967296", b""]
 
 
-def stem_points(count: int = 4000) -> list[tuple[float, float, float]]:
+def stem_points(count: int = 2000) -> list[tuple[float, float, float]]:
     """Points on the bark of a stem 40 cm thick and 2 m high."""
     dice = random.Random(7)
     points = []
@@ -139,20 +139,21 @@ def readers(program: Path, folder: Path) -> list[tuple[str, Path, list[str]]]:
     (folder / "sweep.toml").write_text(SWEEP)
     (folder / "measured.csv").write_text("density_kg_per_m3,modulus_of_rupture_Pa\n" + "".join(f"{550 + 3 * i},{9e7 + 5e5 * i}\n" for i in range(40)))
     (folder / "section.json").write_text(section())
+    tree = DATA / "kaykit_Tree_Bare_1_C_Color1.obj"
     found = [(e, folder / f"wood.{e}", ["check", "{}"]) for e in ("glb", "gltf", "obj", "ply", "stl", "off")]
     found += [
         ("textured glb", DATA / "stump.glb", ["check", "{}"]),
         ("ply cloud", DATA / "pole.ply", ["check", "{}", "--unit", "mm"]),
-        ("obj, broken", DATA / "kaykit_Tree_Bare_1_C_Color1.obj", ["break", "{}", "-o", "out.glb", *small]),
+        ("obj, broken", tree, ["break", "{}", "-o", "out.glb", *small]),
         ("xyz, broken", folder / "cloud.xyz", ["break", "{}", "-o", "out.glb", *small]),
         ("las, broken", folder / "cloud.las", ["break", "{}", "-o", "out.glb", *small]),
         ("laz, broken", folder / "cloud.laz", ["break", "{}", "-o", "out.glb", *small]),
-        ("recipe", folder / "recipe.toml", ["break", "--recipe", "{}", "-o", "out.glb", *small]),
+        ("recipe", folder / "recipe.toml", ["break", str(tree), "--recipe", "{}", "-o", "out.glb", *small]),
         ("scene", folder / "scene.toml", ["simulate", "{}", "--save-scene", "out.toml"]),
         ("section", folder / "section.json", ["rings", "{}", "-o", "out.json"]),
         ("photograph", folder / "end.png", ["cracks", "--from", "{}", "-o", "out.toml"]),
         ("sweep", folder / "sweep.toml", ["sweep", "{}", "--show", "1"]),
-        ("anatomy", folder / "inside" / "anatomy.json", ["break", "--rings-from", "{}", "-o", "out.glb", *small]),
+        ("anatomy", folder / "inside" / "anatomy.json", ["break", str(tree), "--rings-from", "{}", "-o", "out.glb", *small]),
         ("frames", folder / "run" / "frames.gsf", ["skin", "{run}", "--frame", "-1", "-o", "out.glb", "--texture-size", "16", "--quiet"]),
     ]
     return found

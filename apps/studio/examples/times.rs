@@ -9,6 +9,12 @@ use std::time::Instant;
 
 /// Repetitions, of which the fastest counts.
 const REPEATED: usize = 5;
+/// The slider of the viewport moves pieces as far as it says, with straight splinters.
+const AS_THE_SLIDER: [&str; 3] = [
+    "part_clear=false",
+    "break.splinter_lean=0",
+    "break.splinter_snap=0",
+];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("face       change        from     drawn ms  finished ms  triangles");
@@ -16,13 +22,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let fineness = [format!("break.rings={n}"), format!("break.sectors={n}")];
         let fineness = [fineness[0].as_str(), fineness[1].as_str()];
         let mut engine = Engine::default();
-        let changes: [(&str, [&str; 2]); 6] = [
+        let changes: [(&str, [&str; 2]); 7] = [
             ("height", ["break.slab_height=0.9", "break.slab_height=1.0"]),
             (
                 "inclination",
                 ["break.inclination=3", "break.inclination=4"],
             ),
             ("seed", ["break.seed=2", "break.seed=3"]),
+            ("part", ["part=1cm", "part=2cm"]),
             ("apart", ["part=1cm", "part=2cm"]),
             ("place", ["at=0.45", "at=0.55"]),
             ("species", ["species=white oak", "species=Sitka spruce"]),
@@ -31,7 +38,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let (mut best, mut from, mut triangles) = ([f64::INFINITY; 2], String::new(), 0);
             for i in 0..REPEATED {
                 let setting = settings[i % 2];
-                let file = RequestFile::resolve(&[], None, &[fineness[0], fineness[1], setting])?;
+                let mut settings = vec![fineness[0], fineness[1], setting];
+                if name == "apart" {
+                    settings.extend(AS_THE_SLIDER);
+                }
+                let file = RequestFile::resolve(&[], None, &settings)?;
                 let input = Input::built_in();
                 let job = Job {
                     input,

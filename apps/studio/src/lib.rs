@@ -10,3 +10,7 @@ pub mod ui;
 pub mod view;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod window;
+
+#[cfg(not(target_arch = "wasm32"))]
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;

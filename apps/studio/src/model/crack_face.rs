@@ -3,6 +3,8 @@
 use super::look::WoodLook;
 use super::meshes::{DrawnBreak, DrawnScene, Shading, Vertex};
 use glam::{Affine3A, DMat3, DVec3, Vec2, Vec3};
+use rayon::iter::ParallelIterator;
+use rayon::slice::ParallelSlice;
 
 /// Half the side of the map of heights, radii.
 const MAP_HALF: f32 = 1.5;
@@ -10,6 +12,8 @@ const MAP_HALF: f32 = 1.5;
 const CELLS: usize = 40;
 /// Cells to every side over which heights are averaged.
 const REACH: i32 = 2;
+/// Corners of triangles whose highest points one task finds.
+const CORNERS_OF_A_TASK: usize = 1 << 16;
 /// Steps in which a ray is followed over the face.
 const STEPS: u16 = 256;
 
@@ -311,31 +315,41 @@ pub fn face_heights(scene: &DrawnScene, number: usize) -> Vec<f32> {
         return Vec::new();
     };
     let half = MAP_HALF * at.radius;
-    let mut highest = vec![(0.0f32, 0u32); CELLS * CELLS];
-    let wood = |b: &&super::meshes::Batch| b.shading == Shading::Wood(number);
-    for batch in scene.batches.iter().filter(wood) {
-        let (first, last) = (batch.first as usize, (batch.first + batch.count) as usize);
-        for &i in &scene.indices[first..last] {
+    let highest_of = |corners: &[u32]| {
+        let mut highest = vec![(0.0f32, 0u32); CELLS * CELLS];
+        for &i in corners {
             let v = &scene.vertices[i as usize];
             if v.zone_piece[1] as usize != piece {
                 continue;
             }
             if let Some(cell) = cell(Vec2::new(v.grain[0], v.grain[1]), half) {
-                // The highest point: the walls of a crack lie below its rim.
-                let height = v.grain[2] - at.length;
-                let (known, count) = &mut highest[cell];
-                *known = if *count == 0 {
-                    height
-                } else {
-                    known.max(height)
-                };
-                *count = 1;
+                raise(&mut highest[cell], (v.grain[2] - at.length, 1));
             }
+        }
+        highest
+    };
+    let mut highest = vec![(0.0f32, 0u32); CELLS * CELLS];
+    let wood = |b: &&super::meshes::Batch| b.shading == Shading::Wood(number);
+    for batch in scene.batches.iter().filter(wood) {
+        let (first, last) = (batch.first as usize, (batch.first + batch.count) as usize);
+        let parts = scene.indices[first..last].par_chunks(CORNERS_OF_A_TASK);
+        for part in parts.map(highest_of).collect::<Vec<_>>() {
+            (highest.iter_mut().zip(part)).for_each(|(known, found)| raise(known, found));
         }
     }
     (0..CELLS * CELLS)
         .map(|i| height_around(&highest, i))
         .collect()
+}
+
+/// Raises a cell to the highest point in it: the walls of a crack lie below its rim.
+fn raise((known, count): &mut (f32, u32), (height, found): (f32, u32)) {
+    *known = match (*count, found) {
+        (_, 0) => return,
+        (0, _) => height,
+        _ => known.max(height),
+    };
+    *count = 1;
 }
 
 /// The mean height over a cell and those around it, so that lines over them are smooth; 0 where there is none.

@@ -1,7 +1,8 @@
 //! What is drawn of a change before its pieces are finished: the cut itself, in the scene of the answer before.
 //!
 //! To finish pieces – repairing what crosses, splinters that come loose, the report – takes many times as long as to cut them.
-//! While only the face of a break changes, everything else that is drawn is still that of the last finished answer.
+//! While only the face of a break changes, or how far its pieces are apart, everything else that is drawn is still that of the last
+//! finished answer.
 
 use super::meshes::{Batch, DrawnScene, Vertex, drawn_vertices, normal_map};
 use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
@@ -16,7 +17,10 @@ use greenstick::skin::broken::{FaceAddress, smooth_normals};
 use greenstick::skin::prepared::PreparedStem;
 use greenstick::wood::appearance::StemAppearance;
 use greenstick::wood::tissue::Zone;
-use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefMutIterator, ParallelExtend,
+    ParallelIterator,
+};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -54,6 +58,8 @@ pub struct Surroundings {
     pieces: [Standing; 2],
     /// The number of the break among those of the request.
     number: usize,
+    /// How far apart the pieces of the only break were to be, m; none where there are others.
+    way: Option<f64>,
     /// The lower piece as it was, where another break ends it.
     ended: Option<EndedPiece>,
 }
@@ -151,7 +157,8 @@ impl Surroundings {
             return None;
         };
         Some(Surroundings {
-            request: without_face(request, 0),
+            request: without_way(without_face(request, 0)),
+            way: Some(request.breaks[0].separation),
             appearance: appearance(request, 0, stages)?,
             skin: skin_vertices(stem),
             stem: stem.clone(),
@@ -211,6 +218,7 @@ impl Surroundings {
         let batches = drawn.batches.iter().map(|b| (b.material, b.clone()));
         Some(Surroundings {
             request: without_face(request, number),
+            way: None,
             appearance: appearance(request, number, stages)?,
             skin: skin_vertices(stem),
             stem: stem.clone(),
@@ -239,8 +247,12 @@ impl Surroundings {
 
     /// Whether a request leaves all of this as it is, as far as that can be told without breaking anything.
     pub fn may_hold_for(&self, request: &BreakRequest) -> bool {
-        face_of(request, self.number).is_some()
-            && without_face(request, self.number) == self.request
+        let rest = without_face(request, self.number);
+        let rest = match self.way {
+            Some(_) => without_way(rest),
+            None => rest,
+        };
+        face_of(request, self.number).is_some() && rest == self.request
     }
 
     /// Whether a request with these stages leaves all of this as it is.
@@ -263,11 +275,32 @@ impl Surroundings {
         Some((point.as_vec3(), up.as_vec3()))
     }
 
-    /// The scene with the pieces of another face; `None` where it has a material that the scene had not.
-    pub fn drawn(&self, stages: &BreakStages) -> Option<DrawnScene> {
+    /// Where the pieces of a request stand, and the motion of the upper one where that is another than it was.
+    fn standing(
+        &self,
+        request: &BreakRequest,
+        stages: &BreakStages,
+    ) -> ([Standing; 2], Option<DAffine3>) {
+        let way = request.breaks.get(self.number).map(|one| one.separation);
+        let mut pieces = self.pieces;
+        if self.way.is_none() || way == self.way {
+            return (pieces, None);
+        }
+        let motion = stages.motion_apart(way.unwrap_or_default());
+        pieces[1].transform = motion * *stages.stem.stem().transform();
+        (pieces, Some(motion))
+    }
+
+    /// The scene with the pieces of a request; `None` where it has a material that the scene had not.
+    pub fn drawn(&self, request: &BreakRequest, stages: &BreakStages) -> Option<DrawnScene> {
         let inner = stages.inner_wood(&stages.stem.face);
         let addresses = stages.cut.face.addresses(&inner);
         let mut out = self.others.clone();
+        let (pieces, motion) = self.standing(request, stages);
+        if let (Some(motion), Some(upper)) = (motion, out.pieces.get_mut(pieces[1].number as usize))
+        {
+            upper.motion = motion;
+        }
         let mut corners = self.corners.clone();
         let bound = self.bound(stages);
         if let (Some(ended), Some(bound)) = (&self.ended, bound) {
@@ -279,26 +312,35 @@ impl Surroundings {
                 }
             }
         }
-        let cut = &stages.cut.face;
+        let (cut, wood) = (&stages.cut.face, stages.stem.inner_material);
         let skin = self.skin.len() + 2 * cut.patch.vertices.len();
         out.vertices.reserve(skin + 2 * cut.face.ids.len());
-        for (half, piece) in self.pieces.into_iter().enumerate() {
+        for (half, piece) in pieces.into_iter().enumerate() {
             let mut builder = PieceBuilder::new(self, stages, piece, half == 1, &mut out);
             builder.bound = bound.filter(|_| half == 0);
             builder.skin(&mut corners);
-            let wood = corners.entry(stages.stem.inner_material).or_default();
-            builder.face(&addresses, wood);
         }
-        out.indices
-            .reserve(corners.values().map(Vec::len).sum::<usize>());
+        let faces = Faces {
+            stages,
+            moved: pieces.map(|piece| Moved::new(piece, out.middle)),
+            first: out.vertices.len() as u32,
+        };
+        faces.add_vertices(&addresses, &mut out.vertices);
+        corners.entry(wood).or_default();
+        let count = corners.values().map(Vec::len).sum::<usize>();
+        (out.indices).reserve(count + 6 * cut.face.triangles.len());
         for (material, corners) in corners {
             let batch = self.batches.get(&material)?;
+            let first = out.indices.len();
+            out.indices.extend(corners);
+            if material == wood {
+                faces.add_corners(&mut out.indices);
+            }
             out.batches.push(Batch {
-                first: out.indices.len() as u32,
-                count: corners.len() as u32,
+                first: first as u32,
+                count: (out.indices.len() - first) as u32,
                 ..batch.clone()
             });
-            out.indices.extend(corners);
         }
         out.place_limbs();
         Some(out)
@@ -338,6 +380,14 @@ fn without_face(request: &BreakRequest, number: usize) -> BreakRequest {
         one.heights = HeightGrid::default();
     }
     rest
+}
+
+/// A request without how far the pieces of its first break are apart.
+fn without_way(mut request: BreakRequest) -> BreakRequest {
+    if let Some(one) = request.breaks.first_mut() {
+        (one.separation, one.part_clear) = (0.0, false);
+    }
+    request
 }
 
 /// A request without any of its faces.
@@ -518,14 +568,26 @@ impl<'a> PieceBuilder<'a> {
         self.known[id as usize] = number;
         number
     }
+}
 
-    /// Draws the broken face; adds the corners of its triangles.
-    fn face(&mut self, addresses: &[FaceAddress], corners: &mut Vec<u32>) {
+/// The broken faces of both pieces.
+struct Faces<'a> {
+    stages: &'a BreakStages,
+    /// Where the pieces stand, the lower one first.
+    moved: [Moved; 2],
+    /// The number of the first vertex.
+    first: u32,
+}
+
+impl Faces<'_> {
+    /// Adds the vertices, those of the lower piece first.
+    fn add_vertices(&self, addresses: &[FaceAddress], vertices: &mut Vec<Vertex>) {
         let cut = &self.stages.cut.face;
-        let (face, first) = (&cut.face, self.out.vertices.len() as u32);
-        let sign = if self.upper { -1.0 } else { 1.0 };
-        let (moved, points) = (self.moved, cut.cut.points);
-        let vertices = (0..face.ids.len()).into_par_iter().map(|i| {
+        let (face, points) = (&cut.face, cut.cut.points);
+        let count = face.ids.len();
+        vertices.par_extend((0..2 * count).into_par_iter().map(|n| {
+            let (upper, i) = (n >= count, n % count);
+            let sign = if upper { -1.0 } else { 1.0 };
             let position = face.places[face.ids[i] as usize - points];
             let mut vertex = Vertex {
                 position: [0.0; 3],
@@ -535,16 +597,24 @@ impl<'a> PieceBuilder<'a> {
                 zone_piece: [f32::from(addresses[i].zone.code()), 0.0],
             };
             vertex.set_grain(Vec3::from_array(addresses[i].grain));
-            moved.place(position, vertex)
-        });
-        self.out.vertices.par_extend(vertices);
-        let mirrored = self.moved.transform.matrix3.determinant() < 0.0;
-        let turned = self.upper != mirrored;
-        corners.reserve(3 * face.triangles.len());
-        for t in &face.triangles {
-            let [a, b, c] = t.map(|v| v + first);
-            let (b, c) = if turned { (c, b) } else { (b, c) };
-            corners.extend([a, b, c]);
+            self.moved[usize::from(upper)].place(position, vertex)
+        }));
+    }
+
+    /// Adds the corners of the triangles, those of the lower piece first.
+    fn add_corners(&self, corners: &mut Vec<u32>) {
+        let face = &self.stages.cut.face.face;
+        for (half, moved) in self.moved.iter().enumerate() {
+            let first = self.first + (half * face.ids.len()) as u32;
+            let mirrored = moved.transform.matrix3.determinant() < 0.0;
+            let turned = (half == 1) != mirrored;
+            let start = corners.len();
+            corners.resize(start + 3 * face.triangles.len(), 0);
+            let made = corners[start..].as_chunks_mut::<3>().0.par_iter_mut();
+            made.zip(&face.triangles).for_each(|(corners, t)| {
+                let [a, b, c] = t.map(|v| v + first);
+                *corners = if turned { [a, c, b] } else { [a, b, c] };
+            });
         }
     }
 }

@@ -233,7 +233,7 @@ pub fn has_coarse(file: &RequestFile) -> bool {
 }
 
 impl Engine {
-    /// Does a job. Where only a face changes, what is drawn of it is told to `early` long before the answer is finished; nothing
+    /// Does a job. Where only a face changes, or how far its pieces are apart, what is drawn of it is told to `early` long before the answer is finished; nothing
     /// else is made of a job that wants nothing more.
     ///
     /// # Errors
@@ -280,7 +280,7 @@ impl Engine {
         broken.report.scan.clone_from(&opened.scan);
         let origin = opened.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
         let mut drawn = DrawnScene::new(&broken, &mut opened.decoded);
-        let started_at = started.unwrap_or(opened.session.started_at());
+        let started_at = started.flatten().or(opened.session.started_at());
         let sections = match job.sections_of {
             Some(number) => opened.sections(&request, number, &broken, context)?,
             None => None,
@@ -300,7 +300,7 @@ impl Engine {
 }
 
 impl Opened {
-    /// Draws a request of which only the face is another than in the last finished answer. Returns the first stage that was
+    /// Draws a request of which only the face, or how far its pieces are apart, is another than in the last finished answer. Returns the first stage that was
     /// recomputed, if any; `None` where something else is.
     fn draw_early(
         &mut self,
@@ -317,7 +317,7 @@ impl Opened {
         if !around.hold_for(request, &stages) {
             return Ok(None);
         }
-        let Some(mut drawn) = around.drawn(&stages) else {
+        let Some(mut drawn) = around.drawn(request, &stages) else {
             return Ok(None);
         };
         self.around = Some(around);

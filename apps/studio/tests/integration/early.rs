@@ -117,6 +117,27 @@ fn a_change_of_the_face_is_drawn_early_as_it_is_drawn_in_the_end() {
 }
 
 #[test]
+fn pieces_are_moved_apart_early_as_they_are_in_the_end() {
+    let settings = |part: &'static str| {
+        [
+            part,
+            "part_clear=false",
+            "break.fuzz=0",
+            "break.splinter_lean=0",
+            "break.splinter_snap=0",
+        ]
+    };
+    let (near, far) = (settings("part=1cm"), settings("part=6cm"));
+    let (early, finished) = both(&Input::built_in(), "fig15", [&near, &far]);
+    let parts = [part_in(&early, &finished), part_in(&finished, &early)];
+    assert!(parts[0].min(parts[1]) > ALIKE, "{parts:?}");
+    for (early, finished) in early.pieces.iter().zip(&finished.pieces) {
+        let apart = early.motion.translation - finished.motion.translation;
+        assert!(apart.length() < 1e-9, "{}: {apart}", early.name);
+    }
+}
+
+#[test]
 fn a_change_of_one_of_several_breaks_is_drawn_early_as_it_is_drawn_in_the_end() {
     let breaks = |changed: usize, inclination: &str| {
         let place = |i: usize| ["0.25", "0.5", "0.75"][i];
@@ -214,13 +235,13 @@ fn change(setting: &str) -> (bool, usize) {
 #[test]
 fn a_drag_is_answered_by_what_is_drawn_alone() {
     assert_eq!(change("break.inclination=9"), (false, 1));
+    assert_eq!(change("part=3cm"), (false, 1));
 }
 
 #[test]
 fn what_changes_more_than_the_face_is_not_drawn_early() {
     for setting in [
         "at=0.3",
-        "part=3cm",
         "species=white oak",
         "break.hang=0.5",
         "break.seed=4",

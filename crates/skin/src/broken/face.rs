@@ -8,6 +8,7 @@ use crate::source::Source;
 use glam::DVec3;
 use greenstick_fracture::cut::{CapFace, Cut, Host};
 use greenstick_fracture::layout::wrap_angle;
+use rayon::iter::{IntoParallelRefIterator, ParallelExtend, ParallelIterator};
 use std::hint::select_unpredictable;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
@@ -77,7 +78,7 @@ struct SmoothSlot {
 struct Corner {
     /// Grain coordinates, m.
     grain: DVec3,
-    /// Ring coordinate; NaN until it is needed.
+    /// Ring coordinate; NaN where it is not known.
     rho: f64,
     /// Angle about the pith, rad.
     phi: f64,
@@ -131,7 +132,7 @@ pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
         triangles: Vec::with_capacity(count),
         ..Face::default()
     };
-    let mut builder = FaceBuilder {
+    let builder = FaceBuilder {
         cut,
         inner,
         corners,
@@ -158,7 +159,7 @@ fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> (Vec<DVec3>, Vec<Co
     let own = cut.vertices.len() + cut.inside.len();
     let mut places = Vec::with_capacity(own);
     places.extend(cut.vertices.iter().map(|v| on_skin(source, v.host)));
-    places.extend(cut.inside.iter().map(|&grain| source.chart.to_world(grain)));
+    places.par_extend((cut.inside.par_iter()).map(|&grain| source.chart.to_world(grain)));
     let mut corners = Vec::with_capacity(own);
     corners.extend(cut.vertices.iter().map(|v| corner(v.grain, UNKNOWN)));
     corners.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
@@ -332,29 +333,30 @@ impl FaceBuilder<'_> {
     }
 
     /// Gives the vertices `made` their positions and texture coordinates.
-    fn place(&mut self, made: &[MadeVertex], face: &mut Face) {
-        let corners = &mut self.corners;
+    fn place(&self, made: &[MadeVertex], face: &mut Face) {
+        let corners = &self.corners;
         let bundles = &self.inner.bundles.bundles;
         let (square, rings) = (&self.inner.square, &self.inner.stem.rings);
         let position = |made: &MadeVertex| to_f32(self.places[made.corner()]);
-        face.positions = made.iter().map(position).collect();
+        face.positions = made.par_iter().map(position).collect();
         let coordinates = |made: &MadeVertex| {
-            let corner = &mut corners[made.corner()];
+            let corner = &corners[made.corner()];
             let across = corner.grain.truncate();
             let coordinates = if made.shows_end_grain() {
                 square.end_grain(across)
             } else {
-                if corner.rho.is_nan() {
-                    (corner.rho, corner.phi) = rings.address(across);
-                }
+                let (rho, phi) = match corner.rho.is_nan() {
+                    true => rings.address(across),
+                    false => (corner.rho, corner.phi),
+                };
                 let bundle = bundles.get(made.cell as usize);
-                let turned = bundle.map_or(0.0, |b| wrap_angle(corner.phi - b.phi));
-                square.side_grain(corner.rho, turned, corner.grain.z)
+                let turned = bundle.map_or(0.0, |b| wrap_angle(phi - b.phi));
+                square.side_grain(rho, turned, corner.grain.z)
             };
             coordinates.as_vec2().to_array()
         };
-        face.coordinates = made.iter().map(coordinates).collect();
-        face.cells = made.iter().map(|made| made.cell).collect();
+        face.coordinates = made.par_iter().map(coordinates).collect();
+        face.cells = made.par_iter().map(|made| made.cell).collect();
         let (points, own) = (
             self.cut.points as u32,
             (self.cut.vertices.len() + self.cut.inside.len()) as u32,
@@ -363,7 +365,7 @@ impl FaceBuilder<'_> {
             at if at < own => at + points,
             at => at - own,
         };
-        face.ids = made.iter().map(id).collect();
+        face.ids = made.par_iter().map(id).collect();
     }
 }
 

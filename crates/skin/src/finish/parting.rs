@@ -41,14 +41,9 @@ pub(crate) struct Parted {
 
 impl<'a> Parting<'a> {
     pub fn new(stages: &'a BreakStages, context: &'a Context) -> Self {
-        let prepared = stages.stem.stem();
-        let stem = &prepared.found.stem;
-        let (low, high) = stages.heights.heights.range;
-        let range = (stem.location + low, stem.location + high);
-        let to_world = |p| prepared.layers.to_world(p);
         Parting {
             stages,
-            way: Way::new(stem, range, &to_world),
+            way: Way::off(stages),
             context,
         }
     }
@@ -75,6 +70,24 @@ impl<'a> Parting<'a> {
         };
         let [lower, upper] = pieces.map(half);
         Parted::of(&self.way, asked, [&lower, &upper], self.context)
+    }
+}
+
+impl<'a> Way<'a> {
+    /// Returns the way off the lower piece of a break.
+    fn off(stages: &'a BreakStages) -> Self {
+        let prepared = stages.stem.stem();
+        let stem = &prepared.found.stem;
+        let (low, high) = stages.heights.heights.range;
+        let range = (stem.location + low, stem.location + high);
+        Way::new(stem, range, &|p| prepared.layers.to_world(p))
+    }
+}
+
+impl BreakStages {
+    /// Returns the motion of the upper piece over a way (m) off the lower one, in the coordinates of the scene.
+    pub fn motion_apart(&self, way: f64) -> DAffine3 {
+        Way::off(self).after(way)
     }
 }
 
