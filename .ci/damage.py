@@ -130,7 +130,7 @@ def readers(program: Path, folder: Path) -> list[tuple[str, Path, list[str]]]:
     shutil.copy(ROOT / ".ci" / "snap.toml", folder)
     made("simulate", "snap.toml", "-o", "run", "--no-pictures", "--quiet")
     made("simulate", "bend", "--save-scene", "scene.toml")
-    made("anatomy", "-o", "inside", "--resolution", "32", "--quiet")
+    made("anatomy", "-o", "inside", "--resolution", "32", "--only", "measures", "--quiet")
     points = stem_points()
     (folder / "cloud.xyz").write_text("".join(f"{x:.5f} {y:.5f} {z:.5f}\n" for x, y, z in points))
     (folder / "cloud.las").write_bytes(las(points))
