@@ -4,8 +4,9 @@
 //! While only the face of a break changes, or how far its pieces are apart, everything else that is drawn is still that of the last
 //! finished answer.
 
-use super::meshes::{Batch, DrawnScene, Vertex, drawn_vertices, normal_map};
-use glam::{DAffine3, DMat3, DVec3, Mat3, Vec3};
+use super::early_faces::{Faces, Moved, Standing};
+use super::meshes::{Batch, DrawnScene, Vertex, drawn_vertices};
+use glam::{DAffine3, Vec3};
 use greenstick::BreakRequest;
 use greenstick::fracture::cut::Side;
 use greenstick::fracture::height_grid::HeightGrid;
@@ -13,14 +14,10 @@ use greenstick::fracture::parameters::BreakParameters;
 use greenstick::geometry::mesh::NO_MATERIAL;
 use greenstick::geometry::{Mesh, Scene};
 use greenstick::session::{BreakStages, Broken, NodeRole, PieceRole};
-use greenstick::skin::broken::{FaceAddress, smooth_normals};
+use greenstick::skin::broken::smooth_normals;
 use greenstick::skin::prepared::PreparedStem;
 use greenstick::wood::appearance::StemAppearance;
 use greenstick::wood::tissue::Zone;
-use rayon::iter::{
-    IndexedParallelIterator, IntoParallelIterator, IntoParallelRefMutIterator, ParallelExtend,
-    ParallelIterator,
-};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -29,13 +26,6 @@ const KEPT: f64 = 0.3;
 
 /// "Not drawn yet".
 const NONE: u32 = u32::MAX;
-
-/// A piece as it stands in the scene.
-#[derive(Debug, Clone, Copy)]
-struct Standing {
-    number: f32,
-    transform: DAffine3,
-}
 
 /// What a finished answer draws but for the two pieces, and what their skin is made of.
 #[derive(Debug)]
@@ -447,44 +437,6 @@ struct PieceBuilder<'a> {
     bound: Option<(Vec3, Vec3)>,
 }
 
-/// From the coordinates of the mesh that is cut to a piece's place in the scene.
-#[derive(Debug, Clone, Copy)]
-struct Moved {
-    transform: DAffine3,
-    normals: Mat3,
-    /// Whether nothing is turned or scaled.
-    is_shift: bool,
-    number: f32,
-}
-
-impl Moved {
-    fn new(piece: Standing, middle: DVec3) -> Self {
-        let mut transform = piece.transform;
-        transform.translation -= middle;
-        Moved {
-            transform,
-            normals: normal_map(&transform).as_mat3(),
-            is_shift: transform.matrix3 == DMat3::IDENTITY,
-            number: piece.number,
-        }
-    }
-
-    /// Moves a vertex at `position`.
-    #[inline]
-    fn place(&self, position: DVec3, mut vertex: Vertex) -> Vertex {
-        let world = if self.is_shift {
-            position + self.transform.translation
-        } else {
-            let normal = self.normals * Vec3::from_array(vertex.normal);
-            vertex.normal = normal.normalize_or_zero().to_array();
-            self.transform.transform_point3(position)
-        };
-        vertex.position = world.as_vec3().to_array();
-        vertex.zone_piece[1] = self.number;
-        vertex
-    }
-}
-
 impl<'a> PieceBuilder<'a> {
     fn new(
         around: &'a Surroundings,
@@ -567,54 +519,5 @@ impl<'a> PieceBuilder<'a> {
         self.out.vertices.push(vertex);
         self.known[id as usize] = number;
         number
-    }
-}
-
-/// The broken faces of both pieces.
-struct Faces<'a> {
-    stages: &'a BreakStages,
-    /// Where the pieces stand, the lower one first.
-    moved: [Moved; 2],
-    /// The number of the first vertex.
-    first: u32,
-}
-
-impl Faces<'_> {
-    /// Adds the vertices, those of the lower piece first.
-    fn add_vertices(&self, addresses: &[FaceAddress], vertices: &mut Vec<Vertex>) {
-        let cut = &self.stages.cut.face;
-        let (face, points) = (&cut.face, cut.cut.points);
-        let count = face.ids.len();
-        vertices.par_extend((0..2 * count).into_par_iter().map(|n| {
-            let (upper, i) = (n >= count, n % count);
-            let sign = if upper { -1.0 } else { 1.0 };
-            let position = face.places[face.ids[i] as usize - points];
-            let mut vertex = Vertex {
-                position: [0.0; 3],
-                normal: face.normals[i].map(|n| sign * n),
-                uv: face.coordinates[i],
-                grain: [0.0; 4],
-                zone_piece: [f32::from(addresses[i].zone.code()), 0.0],
-            };
-            vertex.set_grain(Vec3::from_array(addresses[i].grain));
-            self.moved[usize::from(upper)].place(position, vertex)
-        }));
-    }
-
-    /// Adds the corners of the triangles, those of the lower piece first.
-    fn add_corners(&self, corners: &mut Vec<u32>) {
-        let face = &self.stages.cut.face.face;
-        for (half, moved) in self.moved.iter().enumerate() {
-            let first = self.first + (half * face.ids.len()) as u32;
-            let mirrored = moved.transform.matrix3.determinant() < 0.0;
-            let turned = (half == 1) != mirrored;
-            let start = corners.len();
-            corners.resize(start + 3 * face.triangles.len(), 0);
-            let made = corners[start..].as_chunks_mut::<3>().0.par_iter_mut();
-            made.zip(&face.triangles).for_each(|(corners, t)| {
-                let [a, b, c] = t.map(|v| v + first);
-                *corners = if turned { [a, c, b] } else { [a, b, c] };
-            });
-        }
     }
 }

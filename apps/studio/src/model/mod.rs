@@ -5,6 +5,7 @@ pub mod command;
 pub mod crack_face;
 pub mod desk;
 pub mod early;
+mod early_faces;
 pub mod engine;
 pub mod fan;
 pub mod frame_artist;
