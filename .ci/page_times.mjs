@@ -13,7 +13,7 @@ if (!page_folder) {
 }
 const { chromium } = createRequire(join(resolve(modules), 'package.json'))('playwright-core');
 const REPEATED = 3; // of which the first is not counted, and the fastest of the others is
-const QUIET = 6000; // ms without news after which a change is over
+const QUIET = 20_000; // ms without news after which a change is over: pieces that are moved apart take as long to finish
 const CHANGES = [
   ['height', 'break.slab_height=0.9', 'break.slab_height=1.0'],
   ['inclination', 'break.inclination=3', 'break.inclination=4'],
