@@ -233,8 +233,8 @@ pub fn has_coarse(file: &RequestFile) -> bool {
 }
 
 impl Engine {
-    /// Does a job. Where only a face changes, or how far its pieces are apart, what is drawn of it is told to `early` long before the answer is finished; nothing
-    /// else is made of a job that wants nothing more.
+    /// Does a job. Where only a face changes, or how far its pieces are apart, what is drawn of it is told to `early` long before the
+    /// answer is finished; nothing else is made of a job that wants nothing more.
     ///
     /// # Errors
     /// What is wrong with the request or its input, or that the work was cancelled.
@@ -300,8 +300,8 @@ impl Engine {
 }
 
 impl Opened {
-    /// Draws a request of which only the face, or how far its pieces are apart, is another than in the last finished answer. Returns the first stage that was
-    /// recomputed, if any; `None` where something else is.
+    /// Draws a request of which only the face, or how far its pieces are apart, is another than in the last finished answer. Returns the
+    /// first stage that was recomputed, if any; `None` where something else is.
     fn draw_early(
         &mut self,
         request: &BreakRequest,
