@@ -21,17 +21,52 @@ use glam::{DVec2, DVec3};
 use greenstick_geometry::Context;
 use greenstick_geometry::triangulate::Triangulator;
 
-/// The triangles of the broken face, oriented for the lower piece.
+/// The broken face, oriented for the lower piece.
 #[derive(Default)]
 pub(super) struct Cap {
     /// Vertices within the wood.
     pub inside: Vec<DVec3>,
     /// Nodes they lie over, or [`NONE`].
     pub nodes: Vec<u32>,
+    pub faces: Faces,
+}
+
+/// Triangles of a broken face.
+#[derive(Default)]
+pub(super) struct Faces {
     pub triangles: Vec<[u32; 3]>,
+    /// What each triangle belongs to.
     pub faces: Vec<CapFace>,
     /// First triangle of every wall.
     pub walls: Vec<u32>,
+}
+
+impl Faces {
+    fn with_capacity(count: usize) -> Self {
+        Faces {
+            triangles: Vec::with_capacity(count),
+            faces: Vec::with_capacity(count),
+            walls: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, triangle: [u32; 3], face: CapFace) {
+        self.triangles.push(triangle);
+        self.faces.push(face);
+    }
+
+    fn append(&mut self, others: &[Faces]) {
+        let count = others.iter().map(|o| o.triangles.len()).sum();
+        self.triangles.reserve_exact(count);
+        self.faces.reserve_exact(count);
+        for other in others {
+            let first = self.triangles.len() as u32;
+            self.triangles.extend_from_slice(&other.triangles);
+            self.faces.extend_from_slice(&other.faces);
+            self.walls
+                .extend(other.walls.iter().map(|wall| first + wall));
+        }
+    }
 }
 
 pub(super) struct Builder<'a, 'b> {
@@ -49,8 +84,8 @@ pub(super) struct Builder<'a, 'b> {
     /// the facets about it, ascending.
     starts: Vec<u32>,
     /// Outline on facets and on walls: (facet or edge, (from, to)), sorted.
-    tops: Vec<(u32, (u32, u32))>,
-    walls: Vec<(u32, (u32, u32))>,
+    outline_on_tops: Vec<(u32, (u32, u32))>,
+    outline_on_walls: Vec<(u32, (u32, u32))>,
     /// Where the two rims of a wall cross: (fraction, vertex), and the number of that for each edge or [`NONE`].
     knots: Vec<(f64, u32)>,
     knot_of: Vec<u32>,
@@ -108,8 +143,8 @@ pub(super) fn build<'a>(
         list.dedup();
         list
     };
-    let tops = sorted(std::mem::take(&mut overlay.tops));
-    let walls = sorted(std::mem::take(&mut overlay.walls));
+    let outline_on_tops = sorted(std::mem::take(&mut overlay.tops));
+    let outline_on_walls = sorted(std::mem::take(&mut overlay.walls));
     let layout = &surface.layout;
     let mut touched = vec![false; layout.edges.len()];
     let mut pierced = vec![false; layout.nodes.len()];
@@ -121,7 +156,7 @@ pub(super) fn build<'a>(
             *crossed = true;
         }
     }
-    walls.iter().for_each(|w| touched[w.0 as usize] = true);
+    (outline_on_walls.iter()).for_each(|w| touched[w.0 as usize] = true);
     for &(n, ..) in &overlay.uprights {
         pierced[n as usize] = true;
     }
@@ -133,8 +168,8 @@ pub(super) fn build<'a>(
         stepped: heights.is_none(),
         corners: Vec::new(),
         starts: Vec::new(),
-        tops,
-        walls,
+        outline_on_tops,
+        outline_on_walls,
         knots: Vec::new(),
         knot_of: Vec::new(),
         knotted: Vec::new(),
@@ -148,8 +183,6 @@ pub(super) fn build<'a>(
         cap: Cap::default(),
         context,
     };
-    builder.cap.triangles.reserve(layout.facets.len() * 3);
-    builder.cap.faces.reserve(layout.facets.len() * 3);
     match heights {
         Some(heights) => {
             let nodes = layout.nodes.iter().zip(&heights).map(|(n, &h)| n.extend(h));
@@ -164,11 +197,13 @@ pub(super) fn build<'a>(
     let loose = builder.fill_touched_tops()?;
     context.check()?;
     builder.spread_status()?;
-    builder.fill_whole_tops(&loose)?;
-    if builder.stepped {
-        builder.fill_walls()?;
-    }
-    Ok(builder.cap)
+    builder.fill_loose_tops(&loose)?;
+    let (mut faces, walls) = rayon::join(|| builder.tops(), || builder.walls());
+    faces.append(&walls?);
+    Ok(Cap {
+        faces,
+        ..builder.cap
+    })
 }
 
 /// The height at every node of a surface without steps.
@@ -363,7 +398,7 @@ impl<'a> Builder<'a, '_> {
     /// Fills the tops whose border the outline meets. Returns the facets within which it closes, whose status is not
     /// known yet.
     fn fill_touched_tops(&mut self) -> Result<Vec<u32>, CutError> {
-        let tops = std::mem::take(&mut self.tops);
+        let tops = std::mem::take(&mut self.outline_on_tops);
         let mut memory = TopMemory::default();
         let mut loose = Vec::new();
         for of_facet in tops.chunk_by(|a, b| a.0 == b.0) {
@@ -387,7 +422,7 @@ impl<'a> Builder<'a, '_> {
             });
             self.fill_top(facet, &traced.loops)?;
         }
-        self.tops = tops;
+        self.outline_on_tops = tops;
         Ok(loose)
     }
 
@@ -489,10 +524,11 @@ impl<'a> Builder<'a, '_> {
         }
     }
 
-    fn fill_whole_tops(&mut self, loose: &[u32]) -> Result<(), CutError> {
+    /// Fills the tops within which the outline closes.
+    fn fill_loose_tops(&mut self, loose: &[u32]) -> Result<(), CutError> {
         for &facet in loose {
             self.context.check()?;
-            let chains = of(&self.tops, facet);
+            let chains = of(&self.outline_on_tops, facet);
             let mut loops: Vec<Vec<u32>> = Vec::new();
             if self.status[facet as usize] == [INSIDE; 3] {
                 let mut border = Vec::new();
@@ -506,11 +542,15 @@ impl<'a> Builder<'a, '_> {
             }
         }
         self.crossed.sort_by_key(|c| c.0);
-        let crossed = std::mem::take(&mut self.crossed);
-        let mut done = crossed.iter().peekable();
-        let tops = std::mem::take(&mut self.tops);
-        let mut outlined = tops.iter().map(|t| t.0).peekable();
-        let layout = self.surface.layout.as_ref();
+        Ok(())
+    }
+
+    /// All tops: those that the outline crosses, filled before, and the whole ones.
+    fn tops(&self) -> Faces {
+        let layout = self.layout();
+        let mut faces = Faces::with_capacity(layout.facets.len() + self.crossed.len());
+        let mut done = self.crossed.iter().peekable();
+        let mut outlined = self.outline_on_tops.iter().map(|t| t.0).peekable();
         for facet in 0..layout.facets.len() as u32 {
             let face = CapFace {
                 cell: layout.cells[facet as usize],
@@ -519,29 +559,29 @@ impl<'a> Builder<'a, '_> {
             while outlined.next_if(|&f| f < facet).is_some() {}
             if outlined.peek() == Some(&facet) {
                 while let Some((_, triangle)) = done.next_if(|c| c.0 == facet) {
-                    self.push(*triangle, face);
+                    faces.push(*triangle, face);
                 }
             } else if self.status[facet as usize] == [INSIDE; 3]
                 && !self.crossed_border[facet as usize]
             {
-                self.fill_whole_top(facet, face);
+                self.fill_whole_top(facet, |triangle| faces.push(triangle, face));
             }
         }
-        Ok(())
+        faces
     }
 
     /// Fills a facet that lies wholly inside: split at knots on its sides, else as it is.
-    fn fill_whole_top(&mut self, facet: u32, face: CapFace) {
+    fn fill_whole_top(&self, facet: u32, mut push: impl FnMut([u32; 3])) {
         let c = self.corners(facet);
         if self.knotted.get(facet as usize) != Some(&true) {
-            return self.push(c, face);
+            return push(c);
         }
         let m = self.layout().sides[facet as usize].map(|e| self.knot(e).map(|k| k.1));
         match m {
-            [None, None, None] => self.push(c, face),
+            [None, None, None] => push(c),
             [Some(x), Some(y), Some(z)] => {
                 for t in [[c[0], x, z], [x, c[1], y], [z, y, c[2]], [x, y, z]] {
-                    self.push(t, face);
+                    push(t);
                 }
             }
             _ => {
@@ -549,23 +589,18 @@ impl<'a> Builder<'a, '_> {
                     let [a, b, d] = [c[k], c[(k + 1) % 3], c[(k + 2) % 3]];
                     match [m[k], m[(k + 1) % 3], m[(k + 2) % 3]] {
                         [Some(x), None, None] => {
-                            self.push([a, x, d], face);
-                            self.push([x, b, d], face);
+                            push([a, x, d]);
+                            push([x, b, d]);
                         }
                         [Some(x), Some(y), None] => {
-                            self.push([x, b, y], face);
-                            self.push([a, x, y], face);
-                            self.push([a, y, d], face);
+                            push([x, b, y]);
+                            push([a, x, y]);
+                            push([a, y, d]);
                         }
                         _ => {}
                     }
                 }
             }
         }
-    }
-
-    fn push(&mut self, triangle: [u32; 3], face: CapFace) {
-        self.cap.faces.push(face);
-        self.cap.triangles.push(triangle);
     }
 }

@@ -125,9 +125,9 @@ pub fn cut_again(
         nodes: cap.nodes,
         sides,
         skin: overlay.skin,
-        cap: cap.triangles,
-        faces: cap.faces,
-        walls: cap.walls,
+        cap: cap.faces.triangles,
+        faces: cap.faces.faces,
+        walls: cap.faces.walls,
         outlines,
     })
 }

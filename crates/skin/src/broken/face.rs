@@ -8,7 +8,9 @@ use crate::source::Source;
 use glam::DVec3;
 use greenstick_fracture::cut::{CapFace, Cut, Host};
 use greenstick_fracture::layout::wrap_angle;
-use rayon::iter::{IntoParallelRefIterator, ParallelExtend, ParallelIterator};
+use rayon::iter::{
+    IndexedParallelIterator, IntoParallelRefIterator, ParallelExtend, ParallelIterator,
+};
 use std::hint::select_unpredictable;
 
 /// Cosine of the angle between a face's normal and the grain above which it shows end grain.
@@ -118,35 +120,59 @@ struct FaceBuilder<'a> {
     places: Vec<DVec3>,
 }
 
+/// Triangles of a face, their vertices numbered from 0 on.
+#[derive(Default)]
+struct FacePart {
+    made: Vec<MadeVertex>,
+    normals: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl FacePart {
+    /// Room for `count` triangles.
+    fn of(count: usize) -> Self {
+        FacePart {
+            // A triangle makes 3 vertices at most; the last place takes what is not needed.
+            made: vec![MadeVertex::default(); 3 * count + 1],
+            normals: Vec::with_capacity(2 * count),
+            triangles: Vec::with_capacity(count),
+        }
+    }
+
+    /// Appends the triangles of another part, whose vertices come after those of this one.
+    fn append(&mut self, other: FacePart) {
+        let first = self.made.len() as u32;
+        self.made.extend_from_slice(&other.made);
+        self.normals.extend_from_slice(&other.normals);
+        let moved = |ids: &[u32; 3]| ids.map(|id| first + id);
+        self.triangles
+            .par_extend(other.triangles.par_iter().map(moved));
+    }
+}
+
 /// Makes the broken face of a cut.
 pub fn face(source: &Source, cut: &Cut, inner: &InnerWood) -> Face {
     let (places, corners) = corners(source, cut, inner);
     let count = cut.cap.len();
     let tops = cut.walls.first().map_or(count, |&w| w as usize);
-    let mut face = Face {
-        normals: Vec::with_capacity(if inner.smooth {
-            corners.len()
-        } else {
-            2 * count
-        }),
-        triangles: Vec::with_capacity(count),
-        ..Face::default()
-    };
     let builder = FaceBuilder {
         cut,
         inner,
         corners,
         places,
     };
-    // A triangle makes 3 vertices at most; the last place takes what is not needed.
-    let mut made = vec![MadeVertex::default(); 3 * count + 1];
-    let used = if builder.has_one_run(tops) {
-        builder.smooth_tops(tops, &mut made, &mut face)
-    } else {
-        builder.tops(tops, &mut made, &mut face)
+    let make_tops = || match builder.has_one_run(tops) {
+        true => builder.smooth_tops(tops),
+        false => builder.tops(tops),
     };
-    let used = builder.walls(tops, (&mut made, used), &mut face);
-    builder.place(&made[..used], &mut face);
+    let (mut part, walls) = rayon::join(make_tops, || builder.walls(tops));
+    part.append(walls);
+    let mut face = Face {
+        normals: part.normals,
+        triangles: part.triangles,
+        ..Face::default()
+    };
+    builder.place(&part.made, &mut face);
     face.places = builder.places;
     face
 }
@@ -162,7 +188,8 @@ fn corners(source: &Source, cut: &Cut, inner: &InnerWood) -> (Vec<DVec3>, Vec<Co
     places.par_extend((cut.inside.par_iter()).map(|&grain| source.chart.to_world(grain)));
     let mut corners = Vec::with_capacity(own);
     corners.extend(cut.vertices.iter().map(|v| corner(v.grain, UNKNOWN)));
-    corners.extend(cut.inside.iter().zip(&cut.nodes).map(|(&grain, &node)| {
+    let within = cut.inside.par_iter().zip(&cut.nodes);
+    corners.par_extend(within.map(|(&grain, &node)| {
         let address = inner.bundles.addresses.get(node as usize);
         corner(grain, address.map_or(UNKNOWN, |&a| a))
     }));
@@ -198,7 +225,12 @@ impl FaceBuilder<'_> {
 
     /// [`FaceBuilder::tops`] where all triangles are one run: a vertex of the cut has at most one vertex on end grain and
     /// one on side grain, which are numbered as those of the cut are.
-    fn smooth_tops(&self, count: usize, made: &mut [MadeVertex], face: &mut Face) -> usize {
+    fn smooth_tops(&self, count: usize) -> FacePart {
+        let FacePart {
+            mut made,
+            mut normals,
+            mut triangles,
+        } = FacePart::of(count);
         let none = SmoothSlot {
             normal: DVec3::ZERO,
             cell: 0,
@@ -216,7 +248,7 @@ impl FaceBuilder<'_> {
                 MadeVertex::new(at, end, 0).at
             })
         };
-        (face.triangles).extend(self.cut.cap[..count].iter().zip(&self.cut.faces).map(top));
+        triangles.extend(self.cut.cap[..count].iter().zip(&self.cut.faces).map(top));
         let mut numbers = vec![0; 2 * slots.len()];
         let mut used = 0;
         for (at, slot) in slots.iter().enumerate() {
@@ -227,17 +259,27 @@ impl FaceBuilder<'_> {
                 used += usize::from(slot.shows[usize::from(end)]);
             }
         }
-        for corner in face.triangles.as_flattened_mut() {
+        made.truncate(used);
+        for corner in triangles.as_flattened_mut() {
             *corner = numbers[*corner as usize];
         }
         let normal = |vertex: &MadeVertex| slots[vertex.corner()].normal.normalize_or_zero();
-        (face.normals).extend(made[..used].iter().map(normal).map(to_f32));
-        used
+        normals.extend(made.iter().map(normal).map(to_f32));
+        FacePart {
+            made,
+            normals,
+            triangles,
+        }
     }
 
     /// Makes the first `count` triangles, the tops of cells. Those of one cell, and where the surface is smooth of all, are
-    /// one run: a vertex of the cut has one normal there. Returns the number of vertices in `made`.
-    fn tops(&self, count: usize, made: &mut [MadeVertex], face: &mut Face) -> usize {
+    /// one run: a vertex of the cut has one normal there.
+    fn tops(&self, count: usize) -> FacePart {
+        let FacePart {
+            mut made,
+            mut normals,
+            mut triangles,
+        } = FacePart::of(count);
         let none = Slot {
             normal: DVec3::ZERO,
             made: [0; 2],
@@ -249,12 +291,11 @@ impl FaceBuilder<'_> {
         let known = self.inner.bundles.bundles.len() as u32;
         let (cut, smooth) = (self.cut, self.inner.smooth);
         let (mut used, mut first, mut last) = (0, 0, None);
-        let normals = &mut face.normals;
         let top = |(&ids, of): (&[u32; 3], &CapFace)| {
             let cell = of.cell;
             let continues = |last: u32| last == cell || (smooth && cell < known && last < known);
             if !last.is_some_and(continues) {
-                finish_run(&made[first..used], &slots, normals);
+                finish_run(&made[first..used], &slots, &mut normals);
                 first = used;
             }
             last = Some(cell);
@@ -269,14 +310,19 @@ impl FaceBuilder<'_> {
                 slot.normal = sum + normal;
                 let before = &mut slot.made[usize::from(end)];
                 let vertex = MadeVertex::new(at, end, cell);
-                let number = make_vertex((made, &mut used), vertex, (*before, first));
+                let number = make_vertex((&mut made[..], &mut used), vertex, (*before, first));
                 *before = number + 1;
                 number
             })
         };
-        (face.triangles).extend(cut.cap[..count].iter().zip(&cut.faces).map(top));
-        finish_run(&made[first..used], &slots, normals);
-        used
+        triangles.extend(cut.cap[..count].iter().zip(&cut.faces).map(top));
+        finish_run(&made[first..used], &slots, &mut normals);
+        made.truncate(used);
+        FacePart {
+            made,
+            normals,
+            triangles,
+        }
     }
 
     /// Normal of a top, as long as twice its area, and whether it shows end grain.
@@ -290,16 +336,16 @@ impl FaceBuilder<'_> {
     }
 
     /// Makes the walls, whose triangles start at `first`: one of few triangles has one normal, one of many follows the bend
-    /// of the stem. Returns the number of vertices in `made`, of which `used` are there before.
-    fn walls(
-        &self,
-        first: usize,
-        (made, mut used): (&mut [MadeVertex], usize),
-        face: &mut Face,
-    ) -> usize {
+    /// of the stem.
+    fn walls(&self, first: usize) -> FacePart {
         let cut = self.cut;
+        let FacePart {
+            mut made,
+            mut normals,
+            mut triangles,
+        } = FacePart::of(cut.cap.len() - first);
         let ends = cut.walls.iter().skip(1).map(|&w| w as usize);
-        let mut from = first;
+        let (mut from, mut used) = (first, 0);
         // One more than the number of the vertex made last at each corner.
         let mut last = vec![0; self.corners.len()];
         for to in ends.chain([cut.cap.len()]) {
@@ -308,22 +354,27 @@ impl FaceBuilder<'_> {
             for (&ids, of) in cut.cap[from..to].iter().zip(&cut.faces[from..to]) {
                 let at = ids.map(|id| self.index(id));
                 if is_long {
-                    face.normals.resize(used, to_f32(normal));
+                    normals.resize(used, to_f32(normal));
                 }
                 if is_long || normal == DVec3::ZERO {
                     normal = self.wall_normal(at);
                 }
-                face.triangles.push(at.map(|at| {
+                triangles.push(at.map(|at| {
                     let vertex = MadeVertex::new(at, false, of.cell);
-                    let number = make_vertex((made, &mut used), vertex, (last[at], first));
+                    let number = make_vertex((&mut made[..], &mut used), vertex, (last[at], first));
                     last[at] = number + 1;
                     number
                 }));
             }
-            face.normals.resize(used, to_f32(normal));
+            normals.resize(used, to_f32(normal));
             from = to;
         }
-        used
+        made.truncate(used);
+        FacePart {
+            made,
+            normals,
+            triangles,
+        }
     }
 
     /// Unit normal of a wall's triangle.

@@ -4,32 +4,83 @@ use super::super::error::CutError;
 use super::super::follow::{Chains, follow};
 use super::super::parts::CapFace;
 use super::super::polygon;
-use super::{Builder, INSIDE, Rims, of};
+use super::{Builder, Faces, INSIDE, Rims, of};
 use crate::surface::Edge;
 use glam::DVec2;
+use greenstick_geometry::triangulate::Triangulator;
+use rayon::iter::ParallelIterator;
+use rayon::slice::ParallelSlice;
+use std::ops::Deref;
+
+/// Edges whose walls one task fills.
+const EDGES_AT_ONCE: usize = 4096;
+
+/// Fills walls of a face that is known but for them.
+struct WallFiller<'a, 'b, 'c> {
+    builder: &'c Builder<'a, 'b>,
+    triangulator: Triangulator,
+    filled: Faces,
+}
+
+impl<'a, 'b> Deref for WallFiller<'a, 'b, '_> {
+    type Target = Builder<'a, 'b>;
+
+    fn deref(&self) -> &Builder<'a, 'b> {
+        self.builder
+    }
+}
 
 impl Builder<'_, '_> {
-    pub(super) fn fill_walls(&mut self) -> Result<(), CutError> {
-        let layout = self.layout();
-        for (e, rims) in std::mem::take(&mut self.stepped_edges) {
+    /// Fills the walls over all stepped edges.
+    pub(super) fn walls(&self) -> Result<Vec<Faces>, CutError> {
+        let tasks = self.stepped_edges.par_chunks(EDGES_AT_ONCE);
+        let fill = |edges: &[(u32, Rims)]| {
+            let mut filler = WallFiller {
+                builder: self,
+                triangulator: Triangulator::default(),
+                filled: Faces::with_capacity(edges.len() * 3),
+            };
+            filler.fill_walls(edges)?;
+            Ok(filler.filled)
+        };
+        let filled: Vec<Result<Faces, CutError>> = tasks.map(fill).collect();
+        // Of several errors the first, whichever was found first.
+        filled.into_iter().collect()
+    }
+
+    /// Whether the start of a wall that the outline does not cross lies inside the stem.
+    fn starts_inside(&self, e: u32, edge: &Edge, span: (f64, f64)) -> bool {
+        let (facet, k) = edge.facets[0];
+        let inside = self.status[facet as usize][usize::from(k)] == INSIDE;
+        let rail = self.overlay.rail(e, 0);
+        let crossed = rail.filter(|p| p.0 < span.0).count();
+        inside != (crossed % 2 == 1)
+    }
+}
+
+impl WallFiller<'_, '_, '_> {
+    fn fill_walls(&mut self, edges: &[(u32, Rims)]) -> Result<(), CutError> {
+        let builder = self.builder;
+        for &(e, rims) in edges {
             let e = e as usize;
-            let edge = &layout.edges[e];
-            let knot = self.knot(e as u32);
-            let touched = self.touched[e] || edge.nodes.iter().any(|&n| self.pierced[n as usize]);
+            let edge = &builder.layout().edges[e];
+            let knot = builder.knot(e as u32);
+            let mut ends = edge.nodes.iter();
+            let touched = builder.touched[e] || ends.any(|&n| builder.pierced[n as usize]);
             if !touched {
                 let (facet, k) = edge.facets[0];
-                if self.status[facet as usize][usize::from(k)] == INSIDE {
+                if builder.status[facet as usize][usize::from(k)] == INSIDE {
                     self.fill_whole_wall(edge, rims, knot);
                 }
                 continue;
             }
-            self.context.check()?;
-            let chains = if self.touched[e] {
-                of(&self.walls, e as u32)
+            builder.context.check()?;
+            let chains = if builder.touched[e] {
+                of(&builder.outline_on_walls, e as u32)
             } else {
                 Vec::new()
             };
-            let [a, b] = self.rim_heights(rims);
+            let [a, b] = builder.rim_heights(rims);
             match knot {
                 None => self.fill_wall(e as u32, edge, [a, b], (0.0, 1.0), &chains)?,
                 Some((t, _)) => {
@@ -43,7 +94,7 @@ impl Builder<'_, '_> {
 
     /// Notes that a wall begins, and what it belongs to.
     fn begin_wall(&mut self, edge: &Edge, left_high: bool) -> CapFace {
-        self.cap.walls.push(self.cap.triangles.len() as u32);
+        self.filled.walls.push(self.filled.triangles.len() as u32);
         let facet = edge.facets[usize::from(!left_high)].0;
         CapFace {
             cell: self.layout().cells[facet as usize],
@@ -80,7 +131,8 @@ impl Builder<'_, '_> {
         forward: bool,
         face: CapFace,
     ) {
-        let height = |i: u32| self.cap.inside[i as usize].z;
+        let builder = self.builder;
+        let height = |i: u32| builder.cap.inside[i as usize].z;
         let count = (left - i) + (right - j);
         // Which column climbs is not to be predicted, so nothing branches on it.
         for _ in 0..count {
@@ -93,10 +145,8 @@ impl Builder<'_, '_> {
             j += u32::from(climbs_right);
             let r = if climbs_right { j } else { i };
             let (second, third) = if forward { (q, r) } else { (r, q) };
-            self.cap.faces.push(face);
-            self.cap
-                .triangles
-                .push([p, second, third].map(|v| self.first + v));
+            let triangle = [p, second, third].map(|v| builder.first + v);
+            self.filled.push(triangle, face);
         }
     }
 
@@ -199,17 +249,8 @@ impl Builder<'_, '_> {
         })?;
         let face = self.begin_wall(edge, left_high);
         for triangle in triangles {
-            self.push(triangle, face);
+            self.filled.push(triangle, face);
         }
         Ok(())
-    }
-
-    /// Whether the start of a wall that the outline does not cross lies inside the stem.
-    fn starts_inside(&self, e: u32, edge: &Edge, span: (f64, f64)) -> bool {
-        let (facet, k) = edge.facets[0];
-        let inside = self.status[facet as usize][usize::from(k)] == INSIDE;
-        let rail = self.overlay.rail(e, 0);
-        let crossed = rail.filter(|p| p.0 < span.0).count();
-        inside != (crossed % 2 == 1)
     }
 }
