@@ -6,6 +6,7 @@
 //! touch, nearly all, are triangles and trapezia and take short ways.
 
 mod column;
+mod faces;
 mod line;
 mod walls;
 
@@ -17,6 +18,7 @@ use super::parts::CapFace;
 use super::polygon;
 use crate::surface::{Edge, FractureSurface, NONE, SectionLayout};
 use column::HeightColumn;
+use faces::Faces;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::Context;
 use greenstick_geometry::triangulate::Triangulator;
@@ -29,44 +31,6 @@ pub(super) struct Cap {
     /// Nodes they lie over, or [`NONE`].
     pub nodes: Vec<u32>,
     pub faces: Faces,
-}
-
-/// Triangles of a broken face.
-#[derive(Default)]
-pub(super) struct Faces {
-    pub triangles: Vec<[u32; 3]>,
-    /// What each triangle belongs to.
-    pub faces: Vec<CapFace>,
-    /// First triangle of every wall.
-    pub walls: Vec<u32>,
-}
-
-impl Faces {
-    fn with_capacity(count: usize) -> Self {
-        Faces {
-            triangles: Vec::with_capacity(count),
-            faces: Vec::with_capacity(count),
-            walls: Vec::new(),
-        }
-    }
-
-    fn push(&mut self, triangle: [u32; 3], face: CapFace) {
-        self.triangles.push(triangle);
-        self.faces.push(face);
-    }
-
-    fn append(&mut self, others: &[Faces]) {
-        let count = others.iter().map(|o| o.triangles.len()).sum();
-        self.triangles.reserve_exact(count);
-        self.faces.reserve_exact(count);
-        for other in others {
-            let first = self.triangles.len() as u32;
-            self.triangles.extend_from_slice(&other.triangles);
-            self.faces.extend_from_slice(&other.faces);
-            self.walls
-                .extend(other.walls.iter().map(|wall| first + wall));
-        }
-    }
 }
 
 pub(super) struct Builder<'a, 'b> {
