@@ -12,6 +12,7 @@ mod predicates;
 mod projection;
 
 pub(crate) use box_pairs::overlapping_pairs;
+pub(crate) use contact::Plane;
 pub use contact::contact;
 pub(crate) use mesh::TriangleContacts;
 pub(crate) use mesh::{contact_boxes, self_contacts_while};

@@ -7,7 +7,7 @@
 //! join what lies apart.
 
 use super::bisection::crossing_pairs;
-use crate::intersect::{Contact, contact};
+use crate::intersect::{Contact, Plane, contact};
 use crate::{Aabb, Bvh, Context};
 use glam::DVec3;
 use rustc_hash::FxHashSet;
@@ -46,12 +46,132 @@ pub struct Untangled {
     pub farthest: f64,
 }
 
+/// A frame about a vertex, along the longest edge there: long triangles beside each other lie apart in its boxes.
+struct Frame {
+    axes: [DVec3; 3],
+    /// Bound of the rounding errors of positions and of rotated coordinates.
+    margin: f64,
+}
+
+/// The rounding error of positions in files and of rotated coordinates, relative to the largest coordinate, is less.
+const ROUNDING: f64 = 1e-6;
+
+impl Frame {
+    fn along(direction: DVec3, near: DVec3) -> Frame {
+        let x = direction.try_normalize().unwrap_or(DVec3::X);
+        let (y, z) = x.any_orthonormal_pair();
+        Frame {
+            axes: [x, y, z],
+            margin: ROUNDING * near.abs().element_sum(),
+        }
+    }
+
+    fn rotated(&self, p: DVec3) -> DVec3 {
+        let [x, y, z] = self.axes;
+        DVec3::new(x.dot(p), y.dot(p), z.dot(p))
+    }
+
+    fn bounds(&self, corners: [DVec3; 3]) -> Aabb {
+        Aabb::around(&corners.map(|p| self.rotated(p))).grown(self.margin)
+    }
+}
+
+/// A triangle where it is, with what is asked of it over and over.
+struct Placed {
+    vertices: [u32; 3],
+    corners: [DVec3; 3],
+    /// In the frame of the vertex.
+    bounds: Aabb,
+    plane: Plane,
+}
+
+impl Placed {
+    fn new(frame: &Frame, vertices: [u32; 3], corners: [DVec3; 3]) -> Placed {
+        Placed {
+            vertices,
+            corners,
+            bounds: frame.bounds(corners),
+            plane: Plane::new(corners),
+        }
+    }
+
+    fn crosses(&self, other: &Placed) -> bool {
+        self.bounds.overlaps(&other.bounds)
+            && !self.is_clearly_beside(other)
+            && !other.is_clearly_beside(self)
+            && contact(self.corners, other.corners) == Contact::Crossing
+    }
+
+    /// Whether this triangle lies clearly on one side of another but for the corners that they share.
+    fn is_clearly_beside(&self, other: &Placed) -> bool {
+        let corner = |k: usize| {
+            let is_shared = other.vertices.contains(&self.vertices[k]);
+            (self.corners[k], is_shared)
+        };
+        other.plane.is_clearly_beside_but([0, 1, 2].map(corner))
+    }
+}
+
 /// What lies about one vertex.
 struct Surroundings {
+    frame: Frame,
     /// Triangles at the vertex.
-    own: Vec<u32>,
+    own: Vec<Placed>,
     /// Others whose boxes they may come to overlap.
-    others: Vec<u32>,
+    others: Vec<Placed>,
+}
+
+impl Surroundings {
+    /// Moves the vertex.
+    fn move_to(&mut self, v: u32, place: DVec3) {
+        for t in &mut self.own {
+            let corner = |k: usize| match t.vertices[k] == v {
+                true => place,
+                false => t.corners[k],
+            };
+            *t = Placed::new(&self.frame, t.vertices, [0, 1, 2].map(corner));
+        }
+    }
+
+    /// Pairs of which the first is at the vertex, each once.
+    fn pairs(&self) -> impl Iterator<Item = (&Placed, &Placed)> {
+        let own = self.own.iter().enumerate();
+        own.flat_map(|(i, s)| {
+            let with = self.own[i + 1..].iter().chain(&self.others);
+            with.map(move |t| (s, t))
+        })
+    }
+
+    /// The length along which the triangles at the vertex cross each other and others; summing ends beyond `limit`.
+    fn length(&self, limit: f64) -> f64 {
+        let mut sum = 0.0;
+        for (s, t) in self.pairs().filter(|(s, t)| s.crosses(t)) {
+            sum += crossing_length(s.corners, t.corners);
+            if sum > limit {
+                break;
+            }
+        }
+        sum
+    }
+
+    /// Unit normals of triangles that those at the vertex cross.
+    fn normals(&self) -> Vec<DVec3> {
+        let mut normals = Vec::new();
+        for s in self.own.iter().chain(&self.others) {
+            if (self.own.iter()).any(|t| !std::ptr::eq(t, s) && t.crosses(s)) {
+                let [a, b, c] = s.corners;
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                let near = |n: &DVec3| n.dot(normal).abs() > 0.99;
+                if normal != DVec3::ZERO && !normals.iter().any(near) {
+                    normals.push(normal);
+                }
+                if normals.len() == MOST_NORMALS {
+                    break;
+                }
+            }
+        }
+        normals
+    }
 }
 
 impl Untangler<'_> {
@@ -142,13 +262,8 @@ impl Untangler<'_> {
     ) -> bool {
         let from = self.positions[v as usize];
         let origin = first[v as usize];
-        let region = (own.iter()).fold(Aabb::EMPTY, |all, &t| all.join(&boxes[t as usize]));
-        let mut others = Vec::new();
-        tree.overlapping(&region, |t| others.push(t as u32));
-        others.sort_unstable();
-        others.retain(|t| own.binary_search(t).is_err());
-        let about = Surroundings { own, others };
-        let mut best = (self.length(&about, f64::INFINITY), from);
+        let mut about = self.surroundings(own, origin, (boxes, tree));
+        let mut best = (about.length(f64::INFINITY), from);
         if best.0 == 0.0 {
             return false;
         }
@@ -159,8 +274,8 @@ impl Untangler<'_> {
             if taken.contains(&position_key(place)) {
                 continue;
             }
-            self.positions[v as usize] = place;
-            let length = self.length(&about, best.0);
+            about.move_to(v, place);
+            let length = about.length(best.0);
             if length < best.0 * (1.0 - LEAST_GAIN) {
                 best = (length, place);
                 if length == 0.0 {
@@ -172,19 +287,51 @@ impl Untangler<'_> {
         best.1 != from
     }
 
+    /// What lies about the vertex whose triangles are `own`, wherever it is moved from its first place, `origin`.
+    fn surroundings(
+        &self,
+        own: Vec<u32>,
+        origin: DVec3,
+        (boxes, tree): (&[Aabb], &Bvh),
+    ) -> Surroundings {
+        let edges = own.iter().flat_map(|&t| {
+            let [a, b, c] = self.corners(t);
+            [b - a, c - b, a - c]
+        });
+        let longest = edges.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
+        let frame = Frame::along(longest.unwrap_or_default(), origin);
+        let placed = |t: u32| Placed::new(&frame, self.triangles[t as usize], self.corners(t));
+        let placed_own: Vec<Placed> = own.iter().map(|&t| placed(t)).collect();
+        let reached = Aabb::around(&[frame.rotated(origin)]).grown(self.reach + frame.margin);
+        let reached = (placed_own.iter()).fold(reached, |all, t| all.join(&t.bounds));
+        let region = (own.iter()).fold(Aabb::EMPTY, |all, &t| all.join(&boxes[t as usize]));
+        let mut others = Vec::new();
+        tree.overlapping(&region, |t| others.push(t as u32));
+        others.sort_unstable();
+        others.retain(|t| {
+            let bounds = frame.bounds(self.corners(*t));
+            bounds.overlaps(&reached) && own.binary_search(t).is_err()
+        });
+        Surroundings {
+            own: placed_own,
+            others: others.into_iter().map(placed).collect(),
+            frame,
+        }
+    }
+
     /// The places to try for a vertex.
     fn places(&self, v: u32, about: &Surroundings) -> Vec<DVec3> {
         let from = self.positions[v as usize];
         let mut places = Vec::new();
         let neighbours = (about.own.iter())
-            .flat_map(|&t| self.triangles[t as usize])
+            .flat_map(|t| t.vertices)
             .filter(|&w| w != v);
         let (sum, count) = neighbours.fold((DVec3::ZERO, 0), |(sum, n), w| {
             (sum + self.positions[w as usize], n + 1)
         });
         let mean = sum / f64::from(count.max(1));
         places.extend(TO_MEAN.map(|part| from.lerp(mean, part)));
-        for normal in self.normals(about) {
+        for normal in about.normals() {
             for step in STEPS {
                 places.push(from + normal * (step * self.reach));
                 places.push(from - normal * (step * self.reach));
@@ -193,53 +340,8 @@ impl Untangler<'_> {
         places
     }
 
-    /// Unit normals of triangles that those at a vertex cross.
-    fn normals(&self, about: &Surroundings) -> Vec<DVec3> {
-        let mut normals = Vec::new();
-        let within = about.own.iter().chain(&about.others);
-        for &s in within {
-            let crosses = |&&t: &&u32| t != s && self.crosses(t, s);
-            if about.own.iter().any(|t| crosses(&t)) {
-                let [a, b, c] = self.corners(s);
-                let normal = (b - a).cross(c - a).normalize_or_zero();
-                let near = |n: &DVec3| n.dot(normal).abs() > 0.99;
-                if normal != DVec3::ZERO && !normals.iter().any(near) {
-                    normals.push(normal);
-                }
-                if normals.len() == MOST_NORMALS {
-                    break;
-                }
-            }
-        }
-        normals
-    }
-
     fn corners(&self, t: u32) -> [DVec3; 3] {
         self.triangles[t as usize].map(|v| self.positions[v as usize])
-    }
-
-    fn crosses(&self, s: u32, t: u32) -> bool {
-        let (a, b) = (self.corners(s), self.corners(t));
-        Aabb::around(&a).overlaps(&Aabb::around(&b)) && contact(a, b) == Contact::Crossing
-    }
-
-    /// The length along which the triangles at a vertex cross each other and others; summing ends beyond `limit`.
-    fn length(&self, about: &Surroundings, limit: f64) -> f64 {
-        let mut sum = 0.0;
-        for (i, &s) in about.own.iter().enumerate() {
-            let a = self.corners(s);
-            let bounds = Aabb::around(&a);
-            for &t in about.own[i + 1..].iter().chain(&about.others) {
-                let b = self.corners(t);
-                if bounds.overlaps(&Aabb::around(&b)) && contact(a, b) == Contact::Crossing {
-                    sum += crossing_length(a, b);
-                    if sum > limit {
-                        return sum;
-                    }
-                }
-            }
-        }
-        sum
     }
 }
 
