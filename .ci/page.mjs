@@ -179,14 +179,14 @@ check(`that a click moves the break (the address is ${await hash()})`, (await ha
 await wait('a picture after a click', async () => (await pictures()) > unclicked);
 await shot('clicked');
 
-// Sliders change it: the first of the panel on the right that are ones of a number. Not far, as pieces of hundreds of rings take a
-// page that draws on the processor minutes.
+// Sliders change it: the first of the panel on the right that are ones of a number. To few rings, as pieces of hundreds take a page
+// that draws on the processor minutes.
 const before = await hash();
 const x = WIDTH - 150;
 for (const y of [211, 280, 303]) {
   await page.mouse.move(x - 12, box.y + y);
   await page.mouse.down();
-  for (let i = 1; i <= 5; i += 1) await page.mouse.move(x - 12 + 3 * i, box.y + y);
+  for (let i = 1; i <= 5; i += 1) await page.mouse.move(x - 12 - 3 * i, box.y + y);
   await page.mouse.up();
   await rest(500);
 }

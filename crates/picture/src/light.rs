@@ -41,6 +41,8 @@ pub(crate) struct Studio {
     pub lamps: [Lamp; 2],
     /// Radiance of the sky at the zenith and at the nadir.
     pub sky: [Vec3; 2],
+    /// Radiance of the floor as seen from items.
+    floor_radiance: Vec3,
     pub floor: Option<Floor>,
     /// Linear colour of the background at the centre and in the corners of the picture.
     pub background: [Vec3; 2],
@@ -51,8 +53,11 @@ pub(crate) struct Studio {
 const KEY_LIGHT_COSINE: f32 = 0.99966;
 /// Cosine of the angular radius of the rim light (20°).
 const RIM_LIGHT_COSINE: f32 = 0.94;
-/// Radiance of the floor as seen from items: it returns the warm key light.
+/// Radiance of the floor of a studio as seen from items: it returns the warm key light.
 const FLOOR_RADIANCE: Vec3 = Vec3::new(0.190, 0.182, 0.172);
+/// How much more light comes from the sky and from the floor over a ground than in a studio: it lies outdoors, where hollows are not black.
+const OUTDOOR_SKY: f32 = 1.5;
+const OUTDOOR_FLOOR: f32 = 1.4;
 /// How much darker a ground is in the corners of the picture.
 const VIGNETTE: f32 = 0.28;
 
@@ -121,11 +126,21 @@ impl Studio {
                 ),
             ],
             sky: [Vec3::new(0.165, 0.195, 0.245), FLOOR_RADIANCE * 0.7],
+            floor_radiance: FLOOR_RADIANCE,
             floor: floor_level.filter(is_below_camera).map(|level| Floor {
                 level,
                 ground: None,
             }),
             background: [background, background * 0.55],
+        }
+    }
+
+    /// Shows a ground on the floor, if there is a floor, and takes the studio outdoors.
+    pub fn show_ground(&mut self, ground: ShownGround) {
+        if let Some(floor) = &mut self.floor {
+            floor.ground = Some(ground);
+            self.sky = [self.sky[0] * OUTDOOR_SKY, self.sky[1] * OUTDOOR_FLOOR];
+            self.floor_radiance *= OUTDOOR_FLOOR;
         }
     }
 
@@ -138,7 +153,7 @@ impl Studio {
     /// Radiance of what a ray meets that meets no item.
     pub fn surroundings(&self, direction: Vec3) -> Vec3 {
         if self.floor.is_some() && direction.dot(self.up) < 0.0 {
-            FLOOR_RADIANCE
+            self.floor_radiance
         } else {
             self.sky(direction)
         }

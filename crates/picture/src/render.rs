@@ -207,8 +207,10 @@ pub fn render(
     drop(points);
     let floor = options.floor.then_some(level);
     let mut studio = Studio::new(&camera, up, floor, options.background);
-    if let (Some(floor), Some(kind)) = (&mut studio.floor, options.ground) {
-        floor.ground = ShownGround::new(kind, &camera, up, scene.bounds.centre);
+    let ground =
+        (options.ground).and_then(|kind| ShownGround::new(kind, &camera, up, scene.bounds.centre));
+    if let Some(ground) = ground {
+        studio.show_ground(ground);
     }
     let is_ground_shown = studio.floor.as_ref().is_some_and(|f| f.ground.is_some());
     let film = match is_ground_shown {

@@ -579,9 +579,9 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
         let wavy = rho + 0.008 * ragged + uneven + 0.006 * bundles.tone;
         // The two edges wander apart.
         let outer = rho + 0.008 * ragged - uneven;
-        // Bark comes off at the cambium: a face that looks outwards is wood, with strings of inner bark.
+        // Bark comes off at the cambium: a face that looks outwards there is wood, with strings of inner bark.
         let outwards = dot(facing, across) / max(length(facing) * length(across), 1e-9);
-        let peeled = smoothstep(0.15, 0.5, outwards) * (1.0 - end);
+        let peeled = smoothstep(0.15, 0.5, outwards) * (1.0 - end) * (1.0 - smoothstep(wood.edges.w + 0.006, wood.edges.w + 0.016, rho));
         // More of those are left farther from the cambium.
         let inner = max(wood.rings.x - wood.edges.w, 1e-6);
         let patched = 2.4 * width;

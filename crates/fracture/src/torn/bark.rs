@@ -23,8 +23,8 @@ const STRING_REACH: f64 = 1.3;
 const INNER_FRINGE: f64 = 0.16;
 /// How far the innermost strings of inner bark go with the bark over the outermost, and between which of their random numbers a string
 /// ends on its way from the end of the wood to that of the bark: strings are torn in places of many lengths.
-const INNERMOST_GOES: f64 = 0.4;
-const GOES: (f64, f64) = (0.12, 0.9);
+const INNERMOST_GOES: f64 = 0.7;
+const GOES: (f64, f64) = (0.05, 0.6);
 /// By how much the end of a string is torn to one side, and its bundles before each other, in those numbers.
 const STRING_SLANT: f64 = 0.18;
 const STRING_RAGGED: f64 = 0.16;

@@ -13,7 +13,7 @@ const CAMBIUM_WIDTH: f64 = 0.4e-3;
 const CAMBIUM_SHARE: f64 = 0.7;
 /// Cosines of the angle to the direction away from the pith between which a face begins to be one that bark came off.
 const PEELED: (f64, f64) = (0.15, 0.5);
-/// Distances beyond the inner bark, in ring coordinates, between which such faces end.
+/// Distances from the wood, in ring coordinates, between which such faces end: farther out, one is torn inner bark.
 const OUTSIDE: (f64, f64) = (0.006, 0.016);
 /// Width of the patches in which inner bark stays on wood that bark came off, in strings, and their length in those widths.
 const BAST_PATCH: (f64, f64) = (2.4, 16.0);
@@ -80,10 +80,10 @@ impl WoodAppearance {
         let pale = (1.0 - smoothstep(0.3 * wide, wide, from_cambium)) * CAMBIUM_WIDTH / wide;
         let cambium = self.sapwood_color.map(|c| (1.12 * c).min(1.0));
         // Bark comes off at the cambium: a face that looks outwards there is wood, on which strings of inner bark are left. Farther
-        // out it is the side of a plate of bark.
+        // out it is a layer of the bark, which shows how thick that is.
         let peeled = smoothstep(PEELED.0, PEELED.1, surface.outwards)
             * (1.0 - surface.end)
-            * (1.0 - smoothstep(cork + OUTSIDE.0, cork + OUTSIDE.1, rho));
+            * (1.0 - smoothstep(self.phloem + OUTSIDE.0, self.phloem + OUTSIDE.1, rho));
         let strings = match peeled > 0.0 {
             true => self.bast(rho, (place, string), ragged, surface.tone, noises),
             false => 0.0,
