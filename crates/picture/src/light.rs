@@ -42,7 +42,7 @@ pub(crate) struct Studio {
     /// Radiance of the sky at the zenith and at the nadir.
     pub sky: [Vec3; 2],
     /// Radiance of the floor as seen from items.
-    floor_radiance: Vec3,
+    pub floor_radiance: Vec3,
     pub floor: Option<Floor>,
     /// Linear colour of the background at the centre and in the corners of the picture.
     pub background: [Vec3; 2],

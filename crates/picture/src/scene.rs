@@ -442,6 +442,7 @@ mod tests {
             up: Vec3::Z,
             lamps: [dark(), dark()],
             sky: [Vec3::ONE; 2],
+            floor_radiance: Vec3::ZERO,
             floor: None,
             background: [Vec3::ONE; 2],
         }
