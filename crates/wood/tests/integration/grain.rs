@@ -315,29 +315,34 @@ fn bark_comes_off_at_the_cambium() {
     let outer = 0.05 * (wood.cork + 0.6 * (1.0 - wood.cork));
     let [side, front] = [FRAC_PI_2, 0.0].map(|turn| mean_at(outer, turn));
     assert!((front / side - 1.0).abs() < 0.1, "{front}, {side}");
-    // Wood with strings of bark on it, beside bark.
+    // Torn inner bark is bark, wherever it looks.
     let sapwood = brightness(wood.sapwood_color);
-    assert!(outwards > 1.5 * sideways, "{outwards}, {sideways}");
+    for (name, mean) in [("outwards", outwards), ("inwards", inwards)] {
+        assert!(
+            (mean / sideways - 1.0).abs() < 0.1,
+            "{name} {mean}, {sideways}"
+        );
+    }
+    assert!(outwards < 0.6 * sapwood, "{outwards} of {sapwood}");
+    // At the cambium, wood that bark came off is bare but for strings, beside a tear through both.
+    let cambium = 0.05 * (wood.phloem + 0.004);
+    let [bare, torn] = [0.0, FRAC_PI_2].map(|turn| mean_at(cambium, turn));
     assert!(
-        (inwards / sideways - 1.0).abs() < 0.1,
-        "{inwards}, {sideways}"
-    );
-    assert!(
-        outwards < 0.97 * sapwood && outwards > 0.6 * sapwood,
-        "{outwards} of {sapwood}"
+        bare > 1.02 * torn && bare < 0.97 * sapwood,
+        "{bare}, {torn} of {sapwood}"
     );
 }
 
-/// Of what bark came off, inner bark stays in strings of many lengths beside bare wood, and more of it farther from the cambium.
+/// Where bark came off at the cambium, inner bark stays in strings of many lengths beside bare wood, and all of it farther out.
 #[test]
 fn inner_bark_tears_off_in_strings() {
     let (stem, look) = stem_with_bark();
     let wood = &look.wood;
     let bark_end = wood.drawn_inner_bark_end();
-    // Lengths of strings and of bare places along the grain, m, at a part of the thickness of the inner bark.
-    let lengths = |part: f64| {
+    // Lengths of strings and of bare places along the grain, m, so far from the cambium, in ring coordinates.
+    let lengths = |from_cambium: f64| {
         const STEP: f64 = 0.5e-3;
-        let radius = 0.05 * (wood.phloem + part * (bark_end - wood.phloem));
+        let radius = 0.05 * (wood.phloem + from_cambium);
         let mut runs: [Vec<f64>; 2] = Default::default();
         for line in 0..120 {
             let out = DVec2::from_angle(0.0523 * f64::from(line));
@@ -361,11 +366,20 @@ fn inner_bark_tears_off_in_strings() {
         let [bare, bark] = [bare, bark].map(|runs| runs.iter().sum::<f64>());
         bark / (bare + bark)
     };
-    let (inner, outer) = (lengths(0.3), lengths(0.75));
-    println!("{} {}", share(&inner), share(&outer));
-    assert!((0.2..0.9).contains(&share(&outer)), "{}", share(&outer));
-    assert!(share(&outer) > 1.4 * share(&inner), "{}", share(&inner));
-    for mut runs in outer {
+    let [within, at_cambium] = [0.0, 0.004].map(lengths);
+    let middle = lengths(0.5 * (bark_end - wood.phloem));
+    assert!(share(&middle) > 0.95, "{}", share(&middle));
+    assert!(
+        (0.2..0.9).contains(&share(&at_cambium)),
+        "{}",
+        share(&at_cambium)
+    );
+    assert!(
+        share(&at_cambium) > 1.4 * share(&within),
+        "{}",
+        share(&within)
+    );
+    for mut runs in at_cambium {
         runs.sort_unstable_by(f64::total_cmp);
         let (short, long) = (runs[runs.len() / 4], runs[runs.len() * 9 / 10]);
         assert!(long > 4.0 * short && long > 6e-3, "{short} {long}");
