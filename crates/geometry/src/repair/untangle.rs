@@ -22,6 +22,8 @@ const TO_MEAN: [f64; 3] = [1.0, 0.5, 0.2];
 const MOST_NORMALS: usize = 4;
 /// A move is made where it lessens the length of crossings by more than this part of it, so that rounding moves nothing.
 const LEAST_GAIN: f64 = 1e-6;
+/// More than the rounding errors of positions in files and of rotated coordinates, relative to the largest coordinate.
+const ROUNDING: f64 = 1e-6;
 
 /// Triangles of which some cross, with the vertices that may be moved.
 pub struct Untangler<'a> {
@@ -53,16 +55,13 @@ struct Frame {
     margin: f64,
 }
 
-/// The rounding error of positions in files and of rotated coordinates, relative to the largest coordinate, is less.
-const ROUNDING: f64 = 1e-6;
-
 impl Frame {
     fn along(direction: DVec3, near: DVec3) -> Frame {
         let x = direction.try_normalize().unwrap_or(DVec3::X);
         let (y, z) = x.any_orthonormal_pair();
         Frame {
             axes: [x, y, z],
-            margin: ROUNDING * near.abs().element_sum(),
+            margin: ROUNDING * (near.abs().element_sum() + direction.length()),
         }
     }
 

@@ -327,9 +327,10 @@ fn bark_comes_off_at_the_cambium() {
     // At the cambium, wood that bark came off is bare but for strings, beside a tear through both.
     let cambium = 0.05 * (wood.phloem + 0.004);
     let [bare, torn] = [0.0, FRAC_PI_2].map(|turn| mean_at(cambium, turn));
+    assert!(bare > torn, "{bare}, {torn}");
     assert!(
-        bare > 1.02 * torn && bare < 0.97 * sapwood,
-        "{bare}, {torn} of {sapwood}"
+        bare < 0.97 * sapwood && bare > 0.6 * sapwood,
+        "{bare} of {sapwood}"
     );
 }
 
