@@ -103,7 +103,7 @@ const DRAFT_SAMPLES: u32 = 4;
 /// Depth of field on a ground that is shown: the wood stays sharp, and what lies far behind it does not.
 const GROUND_DEPTH_OF_FIELD: f64 = 0.075;
 /// Grain on a ground that is shown: that of a good camera in a workshop.
-const GROUND_GRAIN: f64 = 0.45;
+const GROUND_GRAIN: f64 = 0.25;
 /// Softness of the lens on a ground that is shown: that of a good one.
 const GROUND_SOFTNESS: f64 = 0.5;
 /// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.

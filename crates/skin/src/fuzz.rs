@@ -9,6 +9,7 @@
 mod bark;
 mod draw;
 mod face;
+mod flap;
 mod hinge;
 mod options;
 mod strand;
@@ -19,6 +20,7 @@ pub use options::FuzzOptions;
 use bark::BARK;
 use draw::{Draw, PURPOSE, TUFT, size};
 use face::{TornFace, slope};
+use flap::add_flaps;
 use glam::DVec3;
 use greenstick_geometry::Mesh;
 use greenstick_wood::noise::{gradient_3d, smoothstep, unit};
@@ -82,7 +84,10 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
     let Some(face) = TornFace::of(piece) else {
         return made.finish();
     };
-    let mut torn = torn_triangles(piece, &face, options);
+    let heights = options
+        .apart
+        .then(|| TornHeights::of(piece, &face, options));
+    let mut torn = torn_triangles(piece, &face, heights.as_ref(), options);
     let on_face = |&t: &usize| piece.material(t) == options.material;
     let of_face = (0..piece.triangles.len()).filter(on_face).count();
     let shares = if options.apart {
@@ -106,7 +111,63 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
         let counts = [0, 1, 2, 3].map(|k| (on.strands[k] + random(k)) as usize);
         add_strands(&mut made, &face, on, counts, most);
     }
+    if let Some(heights) = &heights {
+        let torn = |point: u32| heights.torn(heights.highest[point as usize]);
+        add_flaps(&mut made, piece, &face, (&heights.points, torn), most);
+    }
     made.finish()
+}
+
+/// How high the walls of a face are.
+struct TornHeights {
+    /// The point of each vertex.
+    points: Vec<u32>,
+    /// The height of the highest wall about each point, m.
+    highest: Vec<f64>,
+    /// Heights of a wall between which it counts as torn, m.
+    torn_from: (f64, f64),
+}
+
+impl TornHeights {
+    fn of(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Self {
+        let (points, count) = piece.points();
+        let mut highest = vec![0.0f64; count];
+        for t in (0..piece.triangles.len()).filter(|&t| piece.material(t) == options.material) {
+            let height = rise(face, t);
+            for v in piece.triangles[t] {
+                let known = &mut highest[points[v as usize] as usize];
+                *known = known.max(height);
+            }
+        }
+        TornHeights {
+            points,
+            highest,
+            torn_from: torn_from(options),
+        }
+    }
+
+    /// How much a wall of a height (m) is torn, 0 to 1.
+    fn torn(&self, height: f64) -> f64 {
+        smoothstep(self.torn_from.0, self.torn_from.1, height)
+    }
+
+    /// The height of the highest wall about the corners of a triangle.
+    fn beside(&self, corners: [u32; 3]) -> f64 {
+        let about = corners.map(|v| self.highest[self.points[v as usize] as usize]);
+        about.into_iter().fold(0.0, f64::max)
+    }
+}
+
+/// Heights of a wall between which it counts as torn, m.
+fn torn_from(options: &FuzzOptions) -> (f64, f64) {
+    let size = size(options.stem);
+    (TORN_HEIGHT.0 * size, TORN_HEIGHT.1 * size)
+}
+
+/// How far a triangle reaches along the grain, m.
+fn rise(face: &TornFace, t: usize) -> f64 {
+    let [a, b, c] = face.grain(t).map(|g| g.z);
+    a.max(b).max(c) - a.min(b).min(c)
 }
 
 /// Adds numbers of hairs, slivers, stubs and straps that a triangle carries, as long as there are no more triangles than `most`.
@@ -156,42 +217,26 @@ fn add_strands(
     }
 }
 
-/// Finds the triangles of a piece that carry strands, with the numbers that each should have.
-fn torn_triangles(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<TornTriangle> {
+/// Finds the triangles of a piece that carry strands, with the numbers that each should have. `heights` are those of a piece that was
+/// moved apart: an end is torn where a wall beside it is high.
+fn torn_triangles(
+    piece: &Mesh,
+    face: &TornFace,
+    heights: Option<&TornHeights>,
+    options: &FuzzOptions,
+) -> Vec<TornTriangle> {
     let size = size(options.stem);
     let density = options.amount / (size * size);
     let area_unit = options.units_per_metre * options.units_per_metre;
     let triangles = (0..piece.triangles.len()).filter(|&t| piece.material(t) == options.material);
-    let torn_from = (TORN_HEIGHT.0 * size, TORN_HEIGHT.1 * size);
+    let torn_from = torn_from(options);
     let torn_at = |height: f64| smoothstep(torn_from.0, torn_from.1, height);
-    let rise = |t: usize| {
-        let [a, b, c] = face.grain(t).map(|g| g.z);
-        a.max(b).max(c) - a.min(b).min(c)
-    };
-    // An end is torn where a wall beside it is high.
-    let around = options.apart.then(|| {
-        let (points, count) = piece.points();
-        let mut highest = vec![0.0f64; count];
-        for t in triangles.clone() {
-            let height = rise(t);
-            for v in piece.triangles[t] {
-                let known = &mut highest[points[v as usize] as usize];
-                *known = known.max(height);
-            }
-        }
-        (points, highest)
-    });
-    let highest_beside = |triangle: usize| {
-        let beside = around.as_ref().map(|(points, highest)| {
-            piece.triangles[triangle].map(|v| highest[points[v as usize] as usize])
-        });
-        beside.into_iter().flatten().fold(0.0, f64::max)
-    };
+    let highest_beside = |t: usize| heights.map_or(0.0, |h| h.beside(piece.triangles[t]));
     let on = |triangle: usize| {
-        let height = rise(triangle);
+        let height = rise(face, triangle);
         let torn = torn_at(height);
         // Most of crushed and of brash wood is told apart by this alone.
-        if torn == 0.0 && around.is_none() {
+        if torn == 0.0 && heights.is_none() {
             return None;
         }
         let [a, b, c] = piece.corners(triangle);
@@ -224,7 +269,7 @@ fn torn_triangles(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<T
                     SLIVERS * per_area * of_wood * smoothstep(low * size, high * size, height);
             }
         }
-        if steepness < END_GRAIN && around.is_some() {
+        if steepness < END_GRAIN && heights.is_some() {
             let torn = torn_at(highest_beside(triangle));
             made.crushed = 1.0 - torn;
             let tuft = gradient_3d(options.seed ^ PURPOSE, middle / (BARE * size), 0).0;
@@ -234,5 +279,5 @@ fn torn_triangles(piece: &Mesh, face: &TornFace, options: &FuzzOptions) -> Vec<T
         }
         made.strands.iter().any(|&n| n > 0.0).then_some(made)
     };
-    triangles.clone().filter_map(on).collect()
+    triangles.filter_map(on).collect()
 }

@@ -4,6 +4,7 @@ use greenstick::formats::{Format, LengthUnit, read};
 use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{CheckOptions, Context, Mesh, Node};
 use greenstick::session::{NodeRole, PieceRole};
+use greenstick::wood::stem::StemKind;
 use greenstick::{Break, BreakRequest, Broken, break_scene, built_in_branch, files};
 use std::path::Path;
 
@@ -182,6 +183,88 @@ fn bast_hangs_out_at_the_edge_of_torn_bark() {
         assert!(all > 400 && out > 0, "{out} of {all}");
         let (rest, _) = of_bark(&broken("", &[], None), number);
         assert!(rest < all / 5, "{rest}");
+    }
+}
+
+/// Plates of bark lift off at a torn edge: outside they go on as the bark that they stand on, its texture included. Halves that fit,
+/// brash wood and wood without bark have none.
+#[test]
+fn bark_lifts_off_in_flaps_that_go_on_as_the_bark_below() {
+    let apart = |settings: &[&str], preset: &[&str], kind: Option<StemKind>| {
+        let mut request = BreakRequest {
+            texture_width: 16,
+            ..BreakRequest::single(Break {
+                recipe: Recipe::resolve(preset, None, settings).unwrap(),
+                separation: 0.03,
+                ..Break::default()
+            })
+        };
+        request.stem.kind = kind;
+        break_scene(built_in_branch(), &request, &Context::quiet()).unwrap()
+    };
+    let outside = |made: &Broken, node: &Node| -> Vec<usize> {
+        let mesh = &node.mesh;
+        let bark = made.scene.nodes[0].mesh.material(0);
+        let of_bark = |&t: &usize| mesh.material(t) == bark;
+        (0..mesh.triangles.len()).filter(of_bark).collect()
+    };
+    let count = |made: &Broken| -> usize {
+        let nodes = fuzz(made).into_iter();
+        nodes.map(|node| outside(made, node).len()).sum()
+    };
+    let made = apart(&[], &[], None);
+    assert!(count(&made) > 500, "{}", count(&made));
+    assert_eq!(count(&broken("", &[], None)), 0);
+    assert_eq!(count(&apart(&[], &["brash"], None)), 0);
+    assert_eq!(count(&apart(&[], &[], Some(StemKind::Pole))), 0);
+    let stem = &made.woods[0].stem;
+    for node in fuzz(&made) {
+        let check = node.mesh.check_with(CheckOptions {
+            self_intersections: false,
+        });
+        assert!(check.closed && check.oriented, "{check}");
+        let piece = &made.scene.nodes[node.parent.unwrap()];
+        // The skin of the piece, by place in the wood, with its texture coordinates.
+        let addresses = |mesh: &Mesh, v: u32| {
+            let [grain, uv] = ["_GRAIN", "TEXCOORD_0"].map(|a| mesh.attributes[a].at(v as usize));
+            let at = glam::DVec2::new(f64::from(grain[0]), f64::from(grain[1])) - stem.rings.pith();
+            let angle = at.y.atan2(at.x);
+            (
+                angle,
+                f64::from(grain[2]),
+                [f64::from(uv[0]), f64::from(uv[1])],
+            )
+        };
+        let bark = piece.mesh.material(0);
+        let skin: Vec<_> = (0..piece.mesh.triangles.len())
+            .filter(|&t| piece.mesh.material(t) == bark)
+            .map(|t| addresses(&piece.mesh, piece.mesh.triangles[t][0]))
+            .collect();
+        for t in outside(&made, node) {
+            let [a, b, c] = node.mesh.corners(t);
+            let normals = &node.mesh.attributes["NORMAL"];
+            let [x, y, z] = *normals.at(node.mesh.triangles[t][0] as usize) else {
+                panic!("a normal has three parts");
+            };
+            let normal = glam::Vec3::new(x, y, z).as_dvec3();
+            assert!((b - a).cross(c - a).dot(normal) > 0.0, "{t} is inside out");
+        }
+        for t in outside(&made, node).into_iter().step_by(7) {
+            let (angle, along, uv) = addresses(&node.mesh, node.mesh.triangles[t][0]);
+            let off = |s: &&(f64, f64, [f64; 2])| {
+                let turn = (s.0 - angle) / std::f64::consts::TAU;
+                ((turn - turn.round()) * std::f64::consts::TAU * stem.radius).hypot(s.1 - along)
+            };
+            let near = (skin.iter()).min_by(|a, b| off(a).total_cmp(&off(b)));
+            let near = near.unwrap();
+            let around = uv[0] - near.2[0];
+            let difference = (around - around.round())
+                .abs()
+                .max((uv[1] - near.2[1]).abs());
+            // A turn of the texture is the girth.
+            let metres = difference * std::f64::consts::TAU * stem.radius;
+            assert!(metres < 1.6 * off(&near) + 2e-3, "{metres} {}", off(&near));
+        }
     }
 }
 

@@ -14,6 +14,8 @@ pub(super) struct Frame {
     pub across: [DVec2; 2],
     /// How far the face leans: the way in the section, m, of a unit of the piece's coordinates along the last direction.
     pub lean: DVec2,
+    /// Square of the slope of the length along the triangle: 1 where it lies along the grain.
+    pub steepness: f64,
     /// Whether the triangle lies across the grain, and the last direction points to its free side.
     pub is_end: bool,
     /// Tissue.
@@ -53,7 +55,12 @@ impl<'a> TornFace<'a> {
 
     /// Tissue of a triangle.
     pub fn zone(&self, t: usize) -> usize {
-        self.zones[self.piece.triangles[t][0] as usize] as usize
+        self.zone_of(self.piece.triangles[t][0])
+    }
+
+    /// Tissue of a vertex.
+    pub fn zone_of(&self, vertex: u32) -> usize {
+        self.zones[vertex as usize] as usize
     }
 
     /// The frame of a triangle; none where it has no area.
@@ -64,7 +71,7 @@ impl<'a> TornFace<'a> {
         let square = normal.length_squared();
         let (ge, gf) = (grain[1] - grain[0], grain[2] - grain[0]);
         let across = ge.cross(gf).truncate();
-        let (rise, _) = slope([e, f], [ge, gf])?;
+        let (rise, steepness) = slope([e, f], [ge, gf])?;
         let out = across.normalize();
         let along = rise.normalize_or_zero();
         let lean =
@@ -76,6 +83,7 @@ impl<'a> TornFace<'a> {
             directions: [normal.cross(along), normal, along],
             across: [-out.perp(), out],
             lean: lean.truncate(),
+            steepness,
             is_end: false,
             zone: self.zone(t),
             sector: self.sectors[self.piece.triangles[t][0] as usize],
@@ -105,6 +113,7 @@ impl TornFace<'_> {
             directions: [along.cross(out), out, along],
             across: [side.perp() * forward, side],
             lean: DVec2::ZERO,
+            steepness: 0.0,
             is_end: true,
             zone: self.zone(t),
             sector: self.sectors[self.piece.triangles[t][0] as usize],

@@ -176,10 +176,23 @@ pub(super) struct RibbonSection {
     pub grain: DVec3,
 }
 
+/// A vertex of a strand, in the coordinates of the piece.
+pub(super) struct StrandVertex {
+    pub position: DVec3,
+    pub normal: DVec3,
+    pub coordinates: [f32; 2],
+    /// Ring coordinate, sector, tissue and grain coordinates (m) of its wood.
+    pub ring: f64,
+    pub sector: f32,
+    pub zone: f32,
+    pub grain: DVec3,
+}
+
 /// The mesh of all strands of a piece.
 pub(super) struct StrandMesh<'a> {
     options: &'a FuzzOptions<'a>,
     mesh: Mesh,
+    materials: Vec<u32>,
     normals: Vec<f32>,
     coordinates: Vec<f32>,
     rings: Vec<f32>,
@@ -193,6 +206,7 @@ impl<'a> StrandMesh<'a> {
         StrandMesh {
             options,
             mesh: Mesh::default(),
+            materials: Vec::new(),
             normals: Vec::new(),
             coordinates: Vec::new(),
             rings: Vec::new(),
@@ -210,6 +224,30 @@ impl<'a> StrandMesh<'a> {
     /// Triangles so far.
     pub fn triangles(&self) -> usize {
         self.mesh.triangles.len()
+    }
+
+    /// Vertices so far.
+    pub fn vertices(&self) -> u32 {
+        self.mesh.positions.len() as u32
+    }
+
+    /// Adds a triangle of a material.
+    pub fn triangle(&mut self, corners: [u32; 3], material: u32) {
+        self.mesh.triangles.push(corners);
+        self.materials.push(material);
+    }
+
+    /// Adds a vertex.
+    pub fn push(&mut self, vertex: StrandVertex) {
+        // Files have this precision.
+        let position = vertex.position.as_vec3().as_dvec3();
+        self.mesh.positions.push(position);
+        self.normals.extend(vertex.normal.as_vec3().to_array());
+        self.coordinates.extend(vertex.coordinates);
+        self.grain.extend(vertex.grain.as_vec3().to_array());
+        self.rings.push(vertex.ring.min(1.0) as f32);
+        self.sectors.push(vertex.sector);
+        self.zones.push(vertex.zone);
     }
 
     /// Adds a strand: a closed blade of three sides.
@@ -270,6 +308,13 @@ impl<'a> StrandMesh<'a> {
         if blunt {
             add([corner(last, 0), corner(last, 1), corner(last, 2)]);
         }
+        self.of_wood();
+    }
+
+    /// Makes the triangles that were added last of the wood inside.
+    fn of_wood(&mut self) {
+        let count = self.mesh.triangles.len();
+        self.materials.resize(count, self.options.material);
     }
 
     /// Adds a ribbon: a closed strip of four sides, whose edges are sharp and whose broad sides are rounded in the light.
@@ -278,18 +323,18 @@ impl<'a> StrandMesh<'a> {
         for section in &ribbon.sections {
             let (flat, ridge) = (section.flat, section.ridge);
             for (f, r) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                let at = (section.place + flat * f + ridge * r).as_vec3();
-                self.mesh.positions.push(at.as_dvec3());
                 let normal =
                     ridge.normalize_or_zero() * r + flat.normalize_or_zero() * (f * ROUNDNESS);
-                self.normals
-                    .extend(normal.normalize_or_zero().as_vec3().to_array());
                 let texture = (self.options.square).side_grain(ribbon.ring, 0.0, section.grain.z);
-                self.coordinates.extend(texture.as_vec2().to_array());
-                self.grain.extend(section.grain.as_vec3().to_array());
-                self.rings.push(ribbon.ring.min(1.0) as f32);
-                self.sectors.push(0.0);
-                self.zones.push(f32::from(ribbon.zone.code()));
+                self.push(StrandVertex {
+                    position: section.place + flat * f + ridge * r,
+                    normal: normal.normalize_or_zero(),
+                    coordinates: texture.as_vec2().to_array(),
+                    ring: ribbon.ring,
+                    sector: 0.0,
+                    zone: f32::from(ribbon.zone.code()),
+                    grain: section.grain,
+                });
             }
         }
         let corner = |section: usize, side: usize| first + (4 * section + side % 4) as u32;
@@ -305,6 +350,7 @@ impl<'a> StrandMesh<'a> {
                 triangles.extend([[a, b, d], [a, d, c]]);
             }
         }
+        self.of_wood();
     }
 
     /// Adds a vertex at a part of a strand's length, off its middle by `offset` (m).
@@ -318,26 +364,24 @@ impl<'a> StrandMesh<'a> {
         } = strand.root;
         let at = strand.offset(part);
         let moved = along * at.z + beside * at.x + out * at.y + offset;
-        // Files have this precision.
-        let at = (position + moved * self.options.units_per_metre).as_vec3();
-        self.mesh.positions.push(at.as_dvec3());
-        let normal = normal.as_vec3().to_array();
-        self.normals.extend(normal);
         // The wood that it was peeled off.
         let length = grain.z + strand.forward * strand.length * part;
         let texture = (self.options.square).side_grain(strand.ring, 0.0, length);
-        self.coordinates.extend(texture.as_vec2().to_array());
         let off = across[0] * offset.dot(beside) + across[1] * offset.dot(out);
-        let grain = (grain.truncate() + off).extend(length);
-        self.grain.extend(grain.as_vec3().to_array());
-        self.rings.push(strand.ring.min(1.0) as f32);
-        self.sectors.push(strand.root.sector);
-        self.zones.push(strand.root.zone);
+        self.push(StrandVertex {
+            position: position + moved * self.options.units_per_metre,
+            normal,
+            coordinates: texture.as_vec2().to_array(),
+            ring: strand.ring,
+            sector: strand.root.sector,
+            zone: strand.root.zone,
+            grain: (grain.truncate() + off).extend(length),
+        });
     }
 
     /// The mesh with its attributes.
     pub fn finish(mut self) -> Mesh {
-        self.mesh.materials = vec![self.options.material; self.mesh.triangles.len()];
+        self.mesh.materials = self.materials;
         for (name, width, data) in [
             ("NORMAL", 3, self.normals),
             ("TEXCOORD_0", 2, self.coordinates),
