@@ -51,12 +51,8 @@ impl CrackFace {
     pub fn new(scene: &DrawnScene, number: usize) -> Option<Self> {
         let (at, look) = (*scene.breaks.get(number)?, scene.woods.get(number)?.clone());
         let place = scene.break_place(number);
-        let known = scene.faces.get(number).filter(|f| f.len() == CELLS * CELLS);
-        let heights = match known {
-            Some(heights) => heights.clone(),
-            None => face_heights(scene, number),
-        };
         scene.piece_below(number)?;
+        let heights = scene.surveyed().faces.get(number)?.clone();
         Some(CrackFace {
             at,
             place,

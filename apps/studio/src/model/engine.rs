@@ -279,7 +279,7 @@ impl Engine {
         let mut broken = opened.session.broken(&request, &breaking)?;
         broken.report.scan.clone_from(&opened.scan);
         let origin = opened.scan.as_ref().map_or([0.0; 3], |s| s.origin_m);
-        let mut drawn = DrawnScene::new(&broken, &mut opened.decoded);
+        let drawn = DrawnScene::new(&broken, &mut opened.decoded);
         let started_at = started.flatten().or(opened.session.started_at());
         let sections = match job.sections_of {
             Some(number) => opened.sections(&request, number, &broken, context)?,
@@ -287,7 +287,7 @@ impl Engine {
         };
         let report = broken.report.clone();
         opened.remember(&request, broken, &drawn, context)?;
-        drawn.survey();
+        drawn.surveyed();
         Ok(Some(Shown {
             drawn,
             report,
@@ -317,11 +317,10 @@ impl Opened {
         if !around.hold_for(request, &stages) {
             return Ok(None);
         }
-        let Some(mut drawn) = around.drawn(request, &stages) else {
+        let Some(drawn) = around.drawn(request, &stages) else {
             return Ok(None);
         };
         self.around = Some(around);
-        drawn.survey();
         early(drawn);
         Ok(Some(started_at))
     }

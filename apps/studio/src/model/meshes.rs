@@ -2,6 +2,7 @@
 
 use super::look::WoodLook;
 use super::materials::{DecodedImages, Images, Opacity, Texture};
+use super::survey::Survey;
 use super::wire;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -12,7 +13,7 @@ use greenstick::skin::materials::without_color;
 use greenstick::wood::branch::BARK_MATERIAL_NAME;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A vertex.
 #[repr(C)]
@@ -125,9 +126,6 @@ pub struct DrawnPiece {
     pub motion: DAffine3,
 }
 
-/// A box, by its least and its greatest corner.
-pub type Box3 = [[f32; 3]; 2];
-
 /// A broken scene as the card draws it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct DrawnScene {
@@ -156,11 +154,9 @@ pub struct DrawnScene {
     pub radius: f64,
     /// Each break from the middle: where it is, along the stem, and how large the stem is there, m.
     pub breaks: Vec<DrawnBreak>,
-    /// Boxes around its triangles, some to each, in their order; none where they were not worked out ([`DrawnScene::survey`]).
-    #[serde(with = "wire::plain")]
-    pub boxes: Vec<Box3>,
-    /// Heights of the face below each break, as [`CrackFace`](super::crack_face::CrackFace) has them, likewise.
-    pub faces: Vec<Vec<f32>>,
+    /// Where its triangles and faces are, once that was asked for ([`DrawnScene::surveyed`]).
+    #[serde(with = "wire::once")]
+    pub(super) survey: OnceLock<Survey>,
 }
 
 /// Where a break is.

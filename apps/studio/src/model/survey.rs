@@ -1,19 +1,39 @@
-//! What is worked out beside the window of a scene that is drawn, so that the pointer finds its place on it at once.
+//! What is worked out of a scene that is drawn, once, so that the pointer finds its place on it at once. A scene that is finished brings
+//! it along; of one that is drawn early it is worked out when the pointer first asks, as most are gone before it does.
 
 use super::crack_face::face_heights;
-use super::meshes::{Box3, DrawnScene};
+use super::meshes::DrawnScene;
+use super::wire;
 use glam::Vec3;
 use rayon::iter::ParallelIterator;
 use rayon::slice::ParallelSlice;
+use serde::{Deserialize, Serialize};
 
 /// Triangles in a box: with fewer, boxes take long to look through, with more, what is in them.
 const TRIANGLES: usize = 128;
 /// Part of its size by which a box is larger than what is in it: a ray along its side is not missed by rounding.
 const MARGIN: f32 = 1e-4;
 
+/// A box, by its least and its greatest corner.
+type Box3 = [[f32; 3]; 2];
+
+/// Where a scene's triangles and faces are.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Survey {
+    /// Boxes around its triangles, some to each, in their order.
+    #[serde(with = "wire::plain")]
+    boxes: Vec<Box3>,
+    /// Heights of the face below each break, as [`CrackFace`](super::crack_face::CrackFace) has them.
+    pub(super) faces: Vec<Vec<f32>>,
+}
+
 impl DrawnScene {
-    /// Works out the boxes of its triangles and the heights of its faces.
-    pub fn survey(&mut self) {
+    /// The boxes of its triangles and the heights of its faces, which are worked out the first time.
+    pub fn surveyed(&self) -> &Survey {
+        self.survey.get_or_init(|| self.survey_anew())
+    }
+
+    fn survey_anew(&self) -> Survey {
         let corners = self.indices.par_chunks(3 * TRIANGLES);
         let of = |corners: &[u32]| {
             let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
@@ -24,18 +44,19 @@ impl DrawnScene {
             let margin = Vec3::splat(MARGIN * (high - low).max_element());
             [(low - margin).to_array(), (high + margin).to_array()]
         };
-        self.boxes = corners.map(of).collect();
         let faces = (0..self.breaks.len()).map(|number| face_heights(self, number));
-        self.faces = faces.collect();
+        Survey {
+            boxes: corners.map(of).collect(),
+            faces: faces.collect(),
+        }
     }
 
     /// The corners of the triangles that a ray (origin and direction) may meet, in their order.
     pub fn along(&self, (origin, direction): (Vec3, Vec3)) -> impl Iterator<Item = &[u32; 3]> {
-        let surveyed = self.boxes.len() == self.indices.len().div_ceil(3 * TRIANGLES);
-        let chunks = self.indices.chunks(3 * TRIANGLES).enumerate();
-        let near = chunks
-            .filter(move |(k, _)| !surveyed || meets(&self.boxes[*k], origin, direction.recip()));
-        near.flat_map(|(_, corners)| corners.as_chunks::<3>().0)
+        let chunks = self.indices.chunks(3 * TRIANGLES);
+        let near = (chunks.zip(&self.surveyed().boxes))
+            .filter(move |(_, around)| meets(around, origin, direction.recip()));
+        near.flat_map(|(corners, _)| corners.as_chunks::<3>().0)
     }
 }
 
@@ -55,6 +76,7 @@ mod tests {
     use crate::view::pick::pick;
     use greenstick::geometry::{Node, Scene};
     use greenstick::wood::primitive::cylinder;
+    use std::sync::OnceLock;
 
     #[test]
     fn what_is_picked_is_the_same_with_boxes_and_without() {
@@ -63,10 +85,15 @@ mod tests {
             nodes: vec![Node::new("a", at, cylinder(0.02, 0.3, 512))],
             ..Scene::default()
         };
-        let plain = DrawnScene::unbroken(&scene);
-        let mut surveyed = plain.clone();
-        surveyed.survey();
-        assert!(surveyed.boxes.len() > 8);
+        let surveyed = DrawnScene::unbroken(&scene);
+        let boxes = surveyed.surveyed().boxes.len();
+        assert!(boxes > 8);
+        // In boxes that hold everything every triangle is looked at.
+        let mut plain = surveyed.clone();
+        plain.survey = OnceLock::from(Survey {
+            boxes: vec![[[-9.0; 3], [9.0; 3]]; boxes],
+            faces: Vec::new(),
+        });
         let mut met = 0;
         for k in 0..400 {
             let turn = |n: f32| {

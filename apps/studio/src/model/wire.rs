@@ -81,6 +81,34 @@ pub mod one {
     }
 }
 
+/// What may have been worked out.
+pub mod once {
+    use super::*;
+    use std::sync::OnceLock;
+
+    /// Writes it.
+    ///
+    /// # Errors
+    /// Those of the writer.
+    pub fn serialize<T: Serialize, S: Serializer>(
+        value: &OnceLock<T>,
+        to: S,
+    ) -> Result<S::Ok, S::Error> {
+        value.get().serialize(to)
+    }
+
+    /// Reads it.
+    ///
+    /// # Errors
+    /// Those of the reader.
+    pub fn deserialize<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+        from: D,
+    ) -> Result<OnceLock<T>, D::Error> {
+        let known = Option::<T>::deserialize(from)?;
+        Ok(known.map(OnceLock::from).unwrap_or_default())
+    }
+}
+
 /// What is written through another type that serde knows: how it becomes that and is made of it.
 macro_rules! through {
     ($(#[doc = $doc:literal] $name:ident: $own:ty, $other:ty, $to:expr, $from:expr;)*) => {$(

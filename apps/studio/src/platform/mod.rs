@@ -21,6 +21,7 @@ use greenstick::RequestFile;
 use greenstick::formats::LengthUnit;
 use greenstick::formats::photograph::Photograph;
 use std::borrow::Cow;
+use std::sync::Arc;
 
 /// How far some work is.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +69,7 @@ pub enum Opened {
 #[derive(Debug)]
 pub enum Done {
     /// What the viewport shows before the answer is finished, by the number it was asked for with.
-    Drawn(u64, Box<DrawnScene>),
+    Drawn(u64, Arc<DrawnScene>),
     /// The finished answer, by the number it was asked for with; none where only what is drawn was wanted.
     Shown(u64, Result<Option<Box<Shown>>, Failure>),
     /// A file that was read: its path, and what is in it.

@@ -5,6 +5,7 @@ use super::working::{Wake, Working};
 use super::{Done, Entry, Export, Lane, Opened, Platform, Settings, WorkProgress};
 use crate::model::engine::{Engine, Failure, Job, export};
 use crate::model::input::Input;
+use crate::model::meshes::DrawnScene;
 use crate::model::photograph::{PICTURE_SIDE, reduced};
 use crate::model::project_file::ProjectFile;
 use crate::model::simulated::scenes;
@@ -16,6 +17,7 @@ use greenstick::formats::photograph::Photograph;
 use greenstick::formats::{Content, InputFormat, LengthUnit};
 use greenstick::geometry::Context;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 type ShowJob = (u64, Job, Working);
@@ -123,10 +125,13 @@ fn show_jobs(queue: &Receiver<ShowJob>, tell: &Sender<Done>, wake: &Wake) {
         }
         let (number, job, working) = next;
         let context = working.context(wake);
-        let mut early = |drawn| {
+        let mut early = |drawn: DrawnScene| {
             // That nobody listens any more is noticed by the answer.
-            let _ = tell.send(Done::Drawn(number, Box::new(drawn)));
+            let drawn = Arc::new(drawn);
+            let _ = tell.send(Done::Drawn(number, drawn.clone()));
             wake();
+            // While the window draws it, so that the pointer need not wait.
+            drawn.surveyed();
         };
         let outcome = engine.work(&job, &mut early, &context);
         working.end();

@@ -20,7 +20,7 @@ impl Studio {
                 if work.haste != Haste::Coarse {
                     self.drawn_seconds = Some(now - work.since);
                 }
-                let before = self.draw(*drawn);
+                let before = self.draw(drawn);
                 self.before = self.before.take().or(before);
             }
             Done::Shown(number, outcome) => {
@@ -105,7 +105,7 @@ impl Studio {
         let first = self.shown.is_none() && self.apart() == 0.0 && self.view.apart > 0.0;
         self.rests_at = shown.coarse.then_some(now + RESTS_AFTER);
         self.take_sections(shown.sections.take());
-        self.draw(std::mem::take(&mut shown.drawn));
+        self.draw(Arc::new(std::mem::take(&mut shown.drawn)));
         let is_new = self.shown.is_none();
         self.shown = Some(shown);
         if is_new {
@@ -134,7 +134,7 @@ impl Studio {
     }
 
     /// Draws another scene, seen from where the one before was; returns that.
-    fn draw(&mut self, scene: DrawnScene) -> Option<(u64, Arc<DrawnScene>)> {
+    fn draw(&mut self, scene: Arc<DrawnScene>) -> Option<(u64, Arc<DrawnScene>)> {
         if let Some((_, before)) = &self.drawn {
             let camera = match &mut self.simulation {
                 Some(simulation) => &mut simulation.camera_before,
@@ -143,6 +143,6 @@ impl Studio {
             camera.target += (before.middle - scene.middle).as_vec3();
         }
         self.numbers += 1;
-        self.drawn.replace((self.numbers, Arc::new(scene)))
+        self.drawn.replace((self.numbers, scene))
     }
 }

@@ -29,6 +29,7 @@ use js_sys::Array;
 use news::{Inbox, JsFile, News, Wake};
 use simulating::{Heard, Simulating};
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 /// What the second helper does.
 enum Filing {
@@ -189,7 +190,7 @@ impl Web {
                 Answer::Fault(text) => self.show.fault = Some(text),
                 Answer::Drawn(number, drawn) => {
                     browser::mark("drawn", false);
-                    self.done.push_back(Done::Drawn(number, drawn));
+                    self.done.push_back(Done::Drawn(number, Arc::from(drawn)));
                 }
                 Answer::Shown(number, shown) => {
                     browser::mark("shown", false);
