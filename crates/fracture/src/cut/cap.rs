@@ -8,6 +8,7 @@
 mod column;
 mod faces;
 mod line;
+mod nodes;
 mod walls;
 
 use super::error::CutError;
@@ -17,11 +18,12 @@ use super::overlay::outline::Overlay;
 use super::parts::CapFace;
 use super::polygon;
 use crate::surface::{Edge, FractureSurface, NONE, SectionLayout};
-use column::HeightColumn;
 use faces::Faces;
 use glam::{DVec2, DVec3};
 use greenstick_geometry::Context;
 use greenstick_geometry::triangulate::Triangulator;
+pub(super) use nodes::{Columns, Nodes, one_height_each};
+use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
 
 /// The broken face, oriented for the lower piece.
 #[derive(Default)]
@@ -91,12 +93,12 @@ struct TopMemory {
 const OUTSIDE: u8 = 1;
 const INSIDE: u8 = 2;
 
-/// Builds the broken face from the outline found by `overlay`; `heights` are those of [`one_height_each`].
+/// Builds the broken face from the outline found by `overlay`.
 pub(super) fn build<'a>(
     surface: &'a FractureSurface,
     grid: &'a FacetGrid,
     overlay: &mut Overlay<'a>,
-    heights: Option<Vec<f64>>,
+    nodes: Nodes,
     context: &'a Context,
 ) -> Result<Cap, CutError> {
     overlay.sort();
@@ -129,7 +131,7 @@ pub(super) fn build<'a>(
         grid,
         first: (overlay.points() + overlay.vertices.len()) as u32,
         overlay,
-        stepped: heights.is_none(),
+        stepped: nodes.is_stepped(),
         corners: Vec::new(),
         starts: Vec::new(),
         outline_on_tops,
@@ -147,14 +149,14 @@ pub(super) fn build<'a>(
         cap: Cap::default(),
         context,
     };
-    match heights {
-        Some(heights) => {
+    match nodes {
+        Nodes::Even(heights) => {
             let nodes = layout.nodes.iter().zip(&heights).map(|(n, &h)| n.extend(h));
             builder.cap.inside.extend(nodes);
             builder.cap.nodes.extend(0..layout.nodes.len() as u32);
         }
-        None => {
-            builder.place_corners();
+        Nodes::Stepped(columns) => {
+            builder.place(columns);
             builder.place_knots();
         }
     }
@@ -170,24 +172,6 @@ pub(super) fn build<'a>(
     })
 }
 
-/// The height at every node of a surface without steps.
-pub(super) fn one_height_each(surface: &FractureSurface) -> Option<Vec<f64>> {
-    let layout = &surface.layout;
-    let mut heights = vec![f64::NAN; layout.nodes.len()];
-    for (facet, h) in layout.facets.iter().zip(&surface.heights) {
-        for (&n, &h) in facet.iter().zip(h) {
-            let known = &mut heights[n as usize];
-            if known.is_nan() {
-                *known = h;
-            } else if *known != h {
-                return None;
-            }
-        }
-    }
-    // A node of no facet has no vertex; that is left to the general way.
-    heights.iter().all(|h| !h.is_nan()).then_some(heights)
-}
-
 /// The chains of one facet or edge.
 fn of(list: &[(u32, (u32, u32))], key: u32) -> Vec<(u32, u32)> {
     let from = list.partition_point(|c| c.0 < key);
@@ -201,6 +185,16 @@ fn of(list: &[(u32, (u32, u32))], key: u32) -> Vec<(u32, u32)> {
 impl<'a> Builder<'a, '_> {
     fn layout(&self) -> &'a SectionLayout {
         &self.surface.layout
+    }
+
+    /// Takes the vertices over the nodes of a stepped surface, which come first within the wood.
+    fn place(&mut self, columns: Columns) {
+        let first = self.first;
+        self.corners = columns.corners;
+        (self.corners.par_iter_mut()).for_each(|corners| *corners = corners.map(|c| first + c));
+        self.starts = columns.starts;
+        self.cap.inside = columns.inside;
+        self.cap.nodes = columns.nodes;
     }
 
     fn add(&mut self, grain: DVec3, node: u32) -> u32 {
@@ -223,57 +217,6 @@ impl<'a> Builder<'a, '_> {
             Some(i) => self.cap.inside[i as usize],
             None => self.overlay.grain(id),
         }
-    }
-
-    /// Makes one vertex for every distinct height at every node.
-    fn place_corners(&mut self) {
-        let (grid, surface) = (self.grid, self.surface);
-        let height = |&(f, k): &(u32, u8)| surface.heights[f as usize][usize::from(k)];
-        let of_cells: Vec<f64> = grid.cell_corners.iter().map(height).collect();
-        // The facets of a cell nearly always have one height at a node.
-        let mut shared = true;
-        for (heights, cells) in surface.heights.iter().zip(&grid.corner_cells) {
-            let ([x, y, z], [a, b, c]) = (heights, cells.map(|c| c as usize));
-            shared &= (*x == of_cells[a]) & (*y == of_cells[b]) & (*z == of_cells[c]);
-        }
-        if shared {
-            let vertices = self.place_columns(&grid.cell_starts, &of_cells);
-            let vertex = |cell: u32| vertices[cell as usize];
-            let corners =
-                (grid.corner_cells.iter()).map(|&[a, b, c]| [vertex(a), vertex(b), vertex(c)]);
-            self.corners = corners.collect();
-        } else {
-            let heights: Vec<f64> = grid.around.iter().map(height).collect();
-            let vertices = self.place_columns(&grid.node_starts, &heights);
-            self.corners = vec![[0; 3]; surface.heights.len()];
-            for (&(f, k), vertex) in grid.around.iter().zip(vertices) {
-                self.corners[f as usize][usize::from(k)] = vertex;
-            }
-        }
-    }
-
-    /// Makes one vertex for every distinct one of the `heights` about every node, which start at `starts`. Returns the
-    /// vertex of each.
-    fn place_columns(&mut self, starts: &[u32], heights: &[f64]) -> Vec<u32> {
-        let layout = self.layout();
-        self.starts = Vec::with_capacity(layout.nodes.len() + 1);
-        self.cap.inside.reserve(layout.nodes.len() * 4);
-        self.cap.nodes.reserve(layout.nodes.len() * 4);
-        let mut vertices = Vec::with_capacity(heights.len());
-        let mut column = HeightColumn::default();
-        for (n, (node, about)) in (0..).zip(layout.nodes.iter().zip(starts.windows(2))) {
-            let start = self.cap.inside.len() as u32;
-            self.starts.push(start);
-            let about = &heights[about[0] as usize..about[1] as usize];
-            let (ascending, ranks) = column.rank(about);
-            for &z in ascending {
-                self.cap.inside.push(node.extend(z));
-                self.cap.nodes.push(n);
-            }
-            vertices.extend(ranks.iter().map(|rank| self.first + start + rank));
-        }
-        self.starts.push(self.cap.inside.len() as u32);
-        vertices
     }
 
     /// Finds the walls, and makes a vertex where the two rims of one cross.

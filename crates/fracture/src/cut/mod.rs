@@ -107,17 +107,24 @@ pub fn cut_again(
 ) -> Result<Cut, CutError> {
     context.check()?;
     let clips = workspace.clips(skin, &surface.layout);
-    let heights = cap::one_height_each(surface);
+    let even = cap::one_height_each(surface);
     let mut overlay = Overlay::new(
-        (surface, heights.is_none()),
+        (surface, even.is_none()),
         solid.points,
         clips.made + clips.made / 4,
     );
-    let sides = overlay_skin(solid, (skin, grid), surface, clips, &mut overlay, context)?;
+    let (sides, nodes) = rayon::join(
+        || overlay_skin(solid, (skin, grid), surface, clips, &mut overlay, context),
+        || match even {
+            Some(heights) => cap::Nodes::Even(heights),
+            None => cap::Nodes::Stepped(cap::Columns::new(surface, grid)),
+        },
+    );
+    let sides = sides?;
     clips.made = overlay.vertices.len();
     context.check()?;
     let outlines = outlines(&overlay);
-    let cap = cap::build(surface, grid, &mut overlay, heights, context)?;
+    let cap = cap::build(surface, grid, &mut overlay, nodes, context)?;
     Ok(Cut {
         points: solid.points.len(),
         vertices: overlay.vertices,

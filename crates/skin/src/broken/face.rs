@@ -34,6 +34,8 @@ pub struct Face {
     pub ids: Vec<u32>,
     /// Cell (fibre bundle) of each vertex.
     pub cells: Vec<u32>,
+    /// Ring coordinate of each vertex.
+    pub rings: Vec<f64>,
     /// Exact position of each vertex that the cut made, from its first on.
     pub places: Vec<DVec3>,
 }
@@ -390,23 +392,23 @@ impl FaceBuilder<'_> {
         let (square, rings) = (&self.inner.square, &self.inner.stem.rings);
         let position = |made: &MadeVertex| to_f32(self.places[made.corner()]);
         face.positions = made.par_iter().map(position).collect();
-        let coordinates = |made: &MadeVertex| {
+        let inside = |made: &MadeVertex| {
             let corner = &corners[made.corner()];
             let across = corner.grain.truncate();
+            let (rho, phi) = match corner.rho.is_nan() {
+                true => rings.address(across),
+                false => (corner.rho, corner.phi),
+            };
             let coordinates = if made.shows_end_grain() {
                 square.end_grain(across)
             } else {
-                let (rho, phi) = match corner.rho.is_nan() {
-                    true => rings.address(across),
-                    false => (corner.rho, corner.phi),
-                };
                 let bundle = bundles.get(made.cell as usize);
                 let turned = bundle.map_or(0.0, |b| wrap_angle(phi - b.phi));
                 square.side_grain(rho, turned, corner.grain.z)
             };
-            coordinates.as_vec2().to_array()
+            (coordinates.as_vec2().to_array(), rho)
         };
-        face.coordinates = made.par_iter().map(coordinates).collect();
+        (face.coordinates, face.rings) = made.par_iter().map(inside).unzip();
         face.cells = made.par_iter().map(|made| made.cell).collect();
         let (points, own) = (
             self.cut.points as u32,

@@ -188,16 +188,9 @@ pub struct FaceAddress {
 
 /// Returns where the vertices of a broken face lie.
 pub(super) fn face_addresses(cut: &Cut, face: &Face, inner: &InnerWood) -> Vec<FaceAddress> {
-    let skin = cut.points + cut.vertices.len();
-    let address = |(&id, &cell): (&u32, &u32)| {
+    let address = |((&id, &cell), &rho): ((&u32, &u32), &f64)| {
         // Vertices of the broken face are the cut's own, never the mesh's.
         let grain = cut.grain(&[], id);
-        let node = (id as usize).checked_sub(skin).map(|i| cut.nodes[i]);
-        let address = node.and_then(|n| inner.bundles.addresses.get(n as usize));
-        let rho = match address {
-            Some(address) => address.0,
-            None => inner.stem.rings.address(grain.truncate()).0,
-        };
         let bundle = inner.bundles.bundles.get(cell as usize);
         FaceAddress {
             ring: rho.min(1.0) as f32,
@@ -206,7 +199,7 @@ pub(super) fn face_addresses(cut: &Cut, face: &Face, inner: &InnerWood) -> Vec<F
             grain: grain.as_vec3().to_array(),
         }
     };
-    (face.ids.par_iter().zip(&face.cells))
+    (face.ids.par_iter().zip(&face.cells).zip(&face.rings))
         .map(address)
         .collect()
 }
