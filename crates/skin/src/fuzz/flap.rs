@@ -16,6 +16,8 @@ use std::f64::consts::TAU;
 const PLACES: i64 = 37;
 const SHARE: f64 = 0.95;
 const LEAST_TORN: f64 = 0.45;
+/// The fuzz from which on there are as many.
+const ALL_FROM: f64 = 0.5;
 /// Widths of flaps, and lengths over their widths, m: bark tears along its furrows.
 const WIDTH: (f64, f64) = (1.6e-3, 9.0e-3);
 const SLENDERNESS: (f64, f64) = (0.7, 2.3);
@@ -80,6 +82,7 @@ pub(super) fn add_flaps(
         edges.fold(0.0, |most: f64, edge| most.max(edge.torn))
     };
     let most_of_all = most_torn(&mut edges.iter());
+    let share = SHARE * (options.amount / ALL_FROM).min(1.0);
     for place in 0..PLACES {
         let middle = TAU * (place as f64 + 0.2 + 0.6 * random(place, -1)) / PLACES as f64;
         let off = |edge: &&Edge| {
@@ -92,8 +95,7 @@ pub(super) fn add_flaps(
         let is_near = |edge: &&Edge| off(edge) * (PLACES as f64) < 0.5;
         let here = most_torn(&mut edges.iter().filter(is_near));
         let torn = LEAST_TORN * most_of_all + (1.0 - LEAST_TORN) * here;
-        let has_edge = off(&edge) * (PLACES as f64) < 0.5;
-        if !has_edge || random(place, -2) >= SHARE * torn {
+        if !is_near(&edge) || random(place, -2) >= share * torn {
             continue;
         }
         let Some(flap) = Flap::new(piece, face, edge, options, place) else {
