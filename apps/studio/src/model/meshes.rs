@@ -2,7 +2,6 @@
 
 use super::look::WoodLook;
 use super::materials::{DecodedImages, Images, Opacity, Texture};
-use super::survey::Survey;
 use super::wire;
 use bytemuck::{Pod, Zeroable};
 use glam::{DAffine3, DMat3, DVec3, Vec3};
@@ -124,6 +123,19 @@ pub struct DrawnPiece {
     /// Its motion from where it was in the unbroken scene.
     #[serde(with = "wire::motion")]
     pub motion: DAffine3,
+}
+
+/// A box, by its least and its greatest corner.
+pub(super) type Box3 = [[f32; 3]; 2];
+
+/// Where a scene's triangles and faces are.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Survey {
+    /// Boxes around its triangles, some to each, in their order.
+    #[serde(with = "wire::plain")]
+    pub(super) boxes: Vec<Box3>,
+    /// Heights of the face below each break, as [`CrackFace`](super::crack_face::CrackFace) has them.
+    pub(super) faces: Vec<Vec<f32>>,
 }
 
 /// A broken scene as the card draws it.

@@ -2,30 +2,15 @@
 //! it along; of one that is drawn early it is worked out when the pointer first asks, as most are gone before it does.
 
 use super::crack_face::face_heights;
-use super::meshes::DrawnScene;
-use super::wire;
+use super::meshes::{Box3, DrawnScene, Survey};
 use glam::Vec3;
 use rayon::iter::ParallelIterator;
 use rayon::slice::ParallelSlice;
-use serde::{Deserialize, Serialize};
 
 /// Triangles in a box: with fewer, boxes take long to look through, with more, what is in them.
 const TRIANGLES: usize = 128;
 /// Part of its size by which a box is larger than what is in it: a ray along its side is not missed by rounding.
 const MARGIN: f32 = 1e-4;
-
-/// A box, by its least and its greatest corner.
-type Box3 = [[f32; 3]; 2];
-
-/// Where a scene's triangles and faces are.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct Survey {
-    /// Boxes around its triangles, some to each, in their order.
-    #[serde(with = "wire::plain")]
-    boxes: Vec<Box3>,
-    /// Heights of the face below each break, as [`CrackFace`](super::crack_face::CrackFace) has them.
-    pub(super) faces: Vec<Vec<f32>>,
-}
 
 impl DrawnScene {
     /// The boxes of its triangles and the heights of its faces, which are worked out the first time.
