@@ -41,6 +41,8 @@ const SHORT_BARK: f64 = 0.7;
 /// Triangles of fuzz over those of the broken face, at most, with a fuzz of 1: of hairs, and of each kind where pieces are apart.
 const MAX_SHARE: f64 = 0.6;
 const MAX_SHARES_APART: [f64; 4] = [0.2, 0.14, 0.3, 0.12];
+/// The same of flaps of bark.
+const MAX_SHARE_OF_FLAPS: f64 = 0.2;
 /// Mean number of triangles of each kind of strand (of a sliver, of all its laths), by which they are thinned out where they would be
 /// too many.
 const MEAN_TRIANGLES: [f64; 4] = [12.5, 18.0, 6.5, 20.0];
@@ -113,7 +115,8 @@ pub fn fuzz(piece: &Mesh, options: &FuzzOptions, hinge: Option<&HingeOptions>) -
     }
     if let Some(heights) = &heights {
         let torn = |point: u32| heights.torn(heights.highest[point as usize]);
-        add_flaps(&mut made, piece, &face, (&heights.points, torn), most);
+        let room = MAX_SHARE_OF_FLAPS * options.amount * of_face as f64;
+        add_flaps(&mut made, piece, &face, (&heights.points, torn), room);
     }
     made.finish()
 }

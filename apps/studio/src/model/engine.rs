@@ -287,6 +287,7 @@ impl Engine {
         };
         let report = broken.report.clone();
         opened.remember(&request, broken, &drawn, context)?;
+        // So that the window need not.
         drawn.surveyed();
         Ok(Some(Shown {
             drawn,

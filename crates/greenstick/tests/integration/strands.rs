@@ -214,6 +214,9 @@ fn bark_lifts_off_in_flaps_that_go_on_as_the_bark_below() {
     };
     let made = apart(&[], &[], None);
     assert!(count(&made) > 500, "{}", count(&made));
+    // Of a coarse face, whose strands take all that they may, too.
+    let coarse = apart(&["rings=16", "sectors=48"], &[], None);
+    assert!(count(&coarse) > 0);
     assert_eq!(count(&broken("", &[], None)), 0);
     assert_eq!(count(&apart(&[], &["brash"], None)), 0);
     assert_eq!(count(&apart(&[], &[], Some(StemKind::Pole))), 0);

@@ -1,7 +1,7 @@
 //! What hangs on at the torn edge of bark: strings and straps of inner bark, whose long fibres are the toughest of a stem, and flakes of
 //! outer bark that were lifted off.
 
-use super::draw::{Draw, of, root, size};
+use super::draw::{Draw, between, of, root, size};
 use super::face::Frame;
 use super::strand::{Kink, Strand, StrandKind};
 use glam::DVec2;
@@ -104,8 +104,4 @@ impl Draw<'_> {
             .filter_map(|k| self.within(frame, lath(k)))
             .collect()
     }
-}
-
-fn between((least, most): (f64, f64), random: f64) -> f64 {
-    least + (most - least) * random
 }

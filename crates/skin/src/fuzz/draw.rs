@@ -282,6 +282,11 @@ impl Draw<'_> {
     }
 }
 
+/// Returns the value at a part of the way from `least` to `most`.
+pub(super) fn between((least, most): (f64, f64), part: f64) -> f64 {
+    least + (most - least) * part
+}
+
 pub(super) fn of(w: [f64; 3], v: [DVec3; 3]) -> DVec3 {
     v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
 }

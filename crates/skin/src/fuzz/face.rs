@@ -72,10 +72,10 @@ impl<'a> TornFace<'a> {
         let (ge, gf) = (grain[1] - grain[0], grain[2] - grain[0]);
         let across = ge.cross(gf).truncate();
         let (rise, steepness) = slope([e, f], [ge, gf])?;
+        let [of_e, of_f] = dual_basis([e, f]);
         let out = across.normalize();
         let along = rise.normalize_or_zero();
-        let lean =
-            ge * (along.dot(f.cross(normal)) / square) + gf * (along.dot(normal.cross(e)) / square);
+        let lean = ge * along.dot(of_e) + gf * along.dot(of_f);
         let normal = normal / square.sqrt();
         Some(Frame {
             corners,
@@ -121,6 +121,14 @@ impl TornFace<'_> {
     }
 }
 
+/// Returns the dual basis of two edges of a triangle in its plane: the products with it of a way along the triangle are the parts of both
+/// edges that make it up.
+pub(super) fn dual_basis([e, f]: [DVec3; 2]) -> [DVec3; 2] {
+    let normal = e.cross(f);
+    let square = normal.length_squared();
+    [f.cross(normal) / square, normal.cross(e) / square]
+}
+
 /// Returns the gradient of the length in the piece, and the square of its slope along the face, by two edges of a triangle and the
 /// same edges in grain coordinates; none where it has no area.
 pub(super) fn slope([e, f]: [DVec3; 2], [ge, gf]: [DVec3; 2]) -> Option<(DVec3, f64)> {
@@ -129,8 +137,8 @@ pub(super) fn slope([e, f]: [DVec3; 2], [ge, gf]: [DVec3; 2]) -> Option<(DVec3, 
     if square <= 0.0 || ge.cross(gf).truncate() == DVec2::ZERO {
         return None;
     }
-    // By the dual basis of the edges.
-    let rise = f.cross(normal) * (ge.z / square) + normal.cross(e) * (gf.z / square);
+    let [of_e, of_f] = dual_basis([e, f]);
+    let rise = of_e * ge.z + of_f * gf.z;
     let scale = |grain: DVec3, edge: DVec3| grain.length_squared() / edge.length_squared();
     Some((rise, rise.length_squared() / scale(ge, e).max(scale(gf, f))))
 }

@@ -1,8 +1,9 @@
 //! Flaps: plates of bark that tore farther out than the bark beside them and lifted off the wood. Outside they are the bark of the piece
 //! that they stand on, with its material and texture, inside they show the bast that they tore off with.
 
-use super::draw::{PURPOSE, size};
-use super::face::{Frame, TornFace};
+use super::SIDE_GRAIN;
+use super::draw::{PURPOSE, between, size};
+use super::face::{Frame, TornFace, dual_basis};
 use super::options::FuzzOptions;
 use super::strand::{StrandMesh, StrandVertex};
 use glam::{DVec2, DVec3};
@@ -44,10 +45,8 @@ const BAST: f64 = 0.918;
 /// Parts of a flap across and along it.
 const ACROSS: usize = 5;
 const ALONG: usize = 5;
-/// Least cosine between the outside of a triangle and the direction away from the pith, and least square of the slope of the length
-/// along it, of bark that has flaps.
+/// Least cosine between the outside of a triangle and the direction away from the pith of bark that has flaps.
 const OUTWARDS: f64 = 0.5;
-const STEEPEST: f64 = 0.6;
 /// In the hash: random numbers of flaps, beside those of the strands of triangles.
 const FLAPS: i64 = -7;
 
@@ -62,14 +61,14 @@ struct Edge {
     torn: f64,
 }
 
-/// Adds the flaps of a piece, as long as there are no more triangles than `most`. `torn` says of each point of the piece how torn the
+/// Adds the flaps of a piece, about as many as have `room` triangles, as long as its fuzz has no more than it may. `torn` says of each point of the piece how torn the
 /// wood is there, 0 to 1; `points` are the points of its vertices.
 pub(super) fn add_flaps(
     made: &mut StrandMesh,
     piece: &Mesh,
     face: &TornFace,
     (points, torn): (&[u32], impl Fn(u32) -> f64),
-    most: usize,
+    room: f64,
 ) {
     let options = made.options();
     if !options.stem.kind.has_bark() {
@@ -82,7 +81,8 @@ pub(super) fn add_flaps(
         edges.fold(0.0, |most: f64, edge| most.max(edge.torn))
     };
     let most_of_all = most_torn(&mut edges.iter());
-    let share = SHARE * (options.amount / ALL_FROM).min(1.0);
+    let thinned = room / (SHARE * (PLACES as usize * Flap::TRIANGLES) as f64);
+    let share = SHARE * (options.amount / ALL_FROM).min(thinned).min(1.0);
     for place in 0..PLACES {
         let middle = TAU * (place as f64 + 0.2 + 0.6 * random(place, -1)) / PLACES as f64;
         let off = |edge: &&Edge| {
@@ -101,7 +101,7 @@ pub(super) fn add_flaps(
         let Some(flap) = Flap::new(piece, face, edge, options, place) else {
             continue;
         };
-        if made.triangles() + Flap::TRIANGLES <= most {
+        if made.triangles() + Flap::TRIANGLES <= options.most_triangles {
             flap.add_to(made);
         }
     }
@@ -136,7 +136,7 @@ fn edges(
             continue;
         };
         let outwards = frame.across[1].dot(from_pith.normalize_or_zero());
-        if outwards < OUTWARDS || frame.steepness < STEEPEST {
+        if outwards < OUTWARDS || frame.steepness < SIDE_GRAIN {
             continue;
         }
         edges.push(Edge {
@@ -376,16 +376,10 @@ impl<'a> Flap<'a> {
             DVec2::new(f64::from(at[0]), f64::from(at[1]))
         };
         let [a, b, c] = self.frame.corners;
-        let (e, f) = (b - a, c - a);
-        let normal = e.cross(f);
         let [beside, _, along] = self.frame.directions;
         let way = beside * place.flat.x + along * (self.forward() * place.flat.z);
         let way = way * self.options.units_per_metre;
-        let square = normal.length_squared();
-        let weights = [
-            f.cross(normal).dot(way) / square,
-            normal.cross(e).dot(way) / square,
-        ];
+        let weights = dual_basis([b - a, c - a]).map(|of_edge| of_edge.dot(way));
         let here = of(self.edge.corner);
         let moved = (of(1) - of(0)) * weights[0] + (of(2) - of(0)) * weights[1];
         (here + moved).as_vec2().to_array()
@@ -395,8 +389,4 @@ impl<'a> Flap<'a> {
 /// A random number of a flap.
 fn flap_random(options: &FuzzOptions, number: i64, k: i64) -> f64 {
     unit(options.seed ^ PURPOSE, number, FLAPS, k)
-}
-
-fn between((least, most): (f64, f64), random: f64) -> f64 {
-    least + (most - least) * random
 }

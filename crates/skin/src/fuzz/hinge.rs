@@ -3,6 +3,7 @@
 //!
 //! Like strands they are thin closed meshes beside the pieces. Each follows a curve that leaves both faces along the grain.
 
+use super::draw::between;
 use super::options::FuzzOptions;
 use super::strand::{Ribbon, RibbonSection, StrandMesh};
 use crate::lean::place::FacetPlaces;
@@ -293,11 +294,6 @@ impl HingeOptions<'_> {
 /// Returns the share of laths that are torn at a distance from the edge that the piece turned about, radii.
 fn torn_at(far: f64) -> f64 {
     smoothstep(TEARS.0, TEARS.1, far)
-}
-
-/// Returns the number at a part of a range.
-fn between((low, high): (f64, f64), part: f64) -> f64 {
-    low + (high - low) * part
 }
 
 /// Returns a point of the cubic Hermite curve between two points, at a fraction of the way.

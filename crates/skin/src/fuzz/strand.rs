@@ -308,11 +308,11 @@ impl<'a> StrandMesh<'a> {
         if blunt {
             add([corner(last, 0), corner(last, 1), corner(last, 2)]);
         }
-        self.of_wood();
+        self.complete_materials();
     }
 
-    /// Makes the triangles that were added last of the wood inside.
-    fn of_wood(&mut self) {
+    /// Gives the triangles that were added last the material of the wood inside.
+    fn complete_materials(&mut self) {
         let count = self.mesh.triangles.len();
         self.materials.resize(count, self.options.material);
     }
@@ -350,7 +350,7 @@ impl<'a> StrandMesh<'a> {
                 triangles.extend([[a, b, d], [a, d, c]]);
             }
         }
-        self.of_wood();
+        self.complete_materials();
     }
 
     /// Adds a vertex at a part of a strand's length, off its middle by `offset` (m).
