@@ -19,7 +19,7 @@ pub use options::FuzzOptions;
 
 use bark::BARK;
 use draw::{Draw, PURPOSE, TUFT, size};
-use face::{TornFace, slope};
+use face::{SIDE_GRAIN, TornFace, slope};
 use flap::add_flaps;
 use glam::DVec3;
 use greenstick_geometry::Mesh;
@@ -50,8 +50,7 @@ const MEAN_TRIANGLES: [f64; 4] = [12.5, 18.0, 6.5, 20.0];
 const TORN_HEIGHT: (f64, f64) = (0.8e-3, 3.5e-3);
 /// Heights of a wall between which it has slivers: those peel off the sides of slabs and of long splinters.
 const PEELED_HEIGHT: (f64, f64) = (2.5e-3, 9e-3);
-/// Least square of the slope of the length along a face that is side grain, and the greatest of one that is an end.
-const SIDE_GRAIN: f64 = 0.6;
+/// Greatest square of the slope of the length along a face that is an end.
 const END_GRAIN: f64 = 0.85;
 /// Size of the places where ends are few, so that the wood below them shows, m.
 const BARE: f64 = 3.5e-3;

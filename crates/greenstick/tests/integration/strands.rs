@@ -186,6 +186,14 @@ fn bast_hangs_out_at_the_edge_of_torn_bark() {
     }
 }
 
+/// Whether a triangle looks to the side of the normal at its first corner.
+fn faces_as_its_normal(mesh: &Mesh, t: usize) -> bool {
+    let [a, b, c] = mesh.corners(t);
+    let normal =
+        glam::Vec3::from_slice(mesh.attributes["NORMAL"].at(mesh.triangles[t][0] as usize));
+    (b - a).cross(c - a).dot(normal.as_dvec3()) > 0.0
+}
+
 /// Plates of bark lift off at a torn edge: outside they go on as the bark that they stand on, its texture included. Halves that fit,
 /// brash wood and wood without bark have none.
 #[test]
@@ -244,13 +252,7 @@ fn bark_lifts_off_in_flaps_that_go_on_as_the_bark_below() {
             .map(|t| addresses(&piece.mesh, piece.mesh.triangles[t][0]))
             .collect();
         for t in outside(&made, node) {
-            let [a, b, c] = node.mesh.corners(t);
-            let normals = &node.mesh.attributes["NORMAL"];
-            let [x, y, z] = *normals.at(node.mesh.triangles[t][0] as usize) else {
-                panic!("a normal has three parts");
-            };
-            let normal = glam::Vec3::new(x, y, z).as_dvec3();
-            assert!((b - a).cross(c - a).dot(normal) > 0.0, "{t} is inside out");
+            assert!(faces_as_its_normal(&node.mesh, t), "{t} is inside out");
         }
         for t in outside(&made, node).into_iter().step_by(7) {
             let (angle, along, uv) = addresses(&node.mesh, node.mesh.triangles[t][0]);

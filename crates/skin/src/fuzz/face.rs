@@ -3,6 +3,9 @@
 use glam::{DMat3, DVec2, DVec3, Vec3};
 use greenstick_geometry::Mesh;
 
+/// Least square of the slope of the length along a face that is side grain.
+pub(super) const SIDE_GRAIN: f64 = 0.6;
+
 /// The values at the corners of a triangle, and the directions of the grain there.
 pub(super) struct Frame {
     pub corners: [DVec3; 3],

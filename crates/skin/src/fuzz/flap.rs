@@ -1,9 +1,8 @@
 //! Flaps: plates of bark that tore farther out than the bark beside them and lifted off the wood. Outside they are the bark of the piece
 //! that they stand on, with its material and texture, inside they show the bast that they tore off with.
 
-use super::SIDE_GRAIN;
 use super::draw::{PURPOSE, between, size};
-use super::face::{Frame, TornFace, dual_basis};
+use super::face::{Frame, SIDE_GRAIN, TornFace, dual_basis};
 use super::options::FuzzOptions;
 use super::strand::{StrandMesh, StrandVertex};
 use glam::{DVec2, DVec3};
