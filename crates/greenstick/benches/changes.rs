@@ -58,8 +58,7 @@ fn time(runs: usize, mut run: impl FnMut(usize)) -> Times {
     }
 }
 
-fn scene(mut mesh: Mesh) -> Scene {
-    mesh.materials.clear();
+fn scene(mesh: Mesh) -> Scene {
     Scene {
         nodes: vec![Node::new("stem", DAffine3::IDENTITY, mesh)],
         ..Scene::default()
@@ -283,7 +282,6 @@ fn subdivided(mut mesh: Mesh, least: usize) -> Mesh {
             ]);
         }
         mesh.triangles = triangles;
-        mesh.materials.clear();
     }
     mesh
 }

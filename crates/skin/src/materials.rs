@@ -13,7 +13,7 @@ use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::branch::{BARK_MATERIAL_NAME, bark_material};
 use greenstick_wood::stem::{Stem, StemKind};
 use outside::dress_outside;
-use textured::{CLAMPED, textured};
+use textured::{CLAMPED, REPEATING, textured};
 
 /// Name of the material of the wood inside.
 const INNER_WOOD_NAME: &str = "inner_wood";
@@ -114,6 +114,28 @@ impl TextureKey {
 /// Parts of the width of the textures inside that the bark has: its figure is coarser than that of wood.
 const BARK_WIDTH: u32 = 2;
 
+/// Bakes the bark of a round stem for textures of the wood inside that are `width` pixels wide.
+///
+/// # Errors
+/// As [`bake`].
+pub(crate) fn bake_bark(
+    stem: &Stem,
+    appearance: &StemAppearance,
+    width: u32,
+    context: &Context,
+) -> Result<WoodTextures, TextureError> {
+    let width = (width / BARK_WIDTH)
+        .next_multiple_of(2)
+        .max(texture::MIN_WIDTH);
+    texture::bake_bark(width, &appearance.bark, stem.radius, context)
+}
+
+/// Adds a material of bark with its textures, which repeat with every turn and circumference.
+pub(crate) fn add_bark(scene: &mut Scene, baked: &WoodTextures) {
+    let material = textured(scene, BARK_MATERIAL_NAME, baked, REPEATING, None);
+    scene.materials.push(material);
+}
+
 /// Bakes the textures of a prepared stem, those of the wood inside `width` pixels wide.
 ///
 /// # Errors
@@ -131,17 +153,7 @@ pub fn bake_stem(
     let pith = stem.rings.pith();
     let outside = match stem.kind {
         _ if !prepared.scene.nodes.iter().any(|n| lacks_material(&n.mesh)) => None,
-        StemKind::Round => {
-            let width = (width / BARK_WIDTH)
-                .next_multiple_of(2)
-                .max(texture::MIN_WIDTH);
-            Some(texture::bake_bark(
-                width,
-                &appearance.bark,
-                stem.radius,
-                &outside,
-            )?)
-        }
+        StemKind::Round => Some(bake_bark(stem, appearance, width, &outside)?),
         StemKind::Board | StemKind::Dowel | StemKind::Pole => {
             let weathered = stem.kind == StemKind::Pole;
             let wood = TexturedWood {

@@ -2,7 +2,6 @@
 //!
 //! Only + − × ÷, square roots and the pure-Rust `libm` are used: the same bits on every machine.
 
-use crate::colour::{RgbImage, srgb_from_linear};
 use crate::noise::smoothstep;
 use crate::stem::Axis;
 use glam::{DVec2, DVec3};
@@ -248,53 +247,6 @@ fn furrows(options: &BranchOptions, along: f64, turn: f64) -> (f64, f64) {
     (plate(51, 17, 0.55), plate(61, 31, 1.4))
 }
 
-/// Linear colour of the branch's bark at fractions of its length and of a turn: dark in the furrows of its relief, grey
-/// where it is weathered, with greenish patches.
-pub fn bark_color(options: &BranchOptions, along: f64, turn: f64) -> [f64; 3] {
-    let seed = options.seed;
-    let z = along * options.length / (0.5 * options.diameter);
-    let (coarse, fine) = furrows(options, along, turn);
-    let at = |purpose: u64, cells: i64, stretch: f64| {
-        noise(seed, purpose, turn * cells as f64, z * stretch, cells)
-    };
-    let ridge = (0.15 + 0.6 * coarse + 0.35 * fine * coarse).min(1.0);
-    let furrow = DVec3::new(0.052, 0.034, 0.022);
-    let plate = DVec3::new(0.205, 0.152, 0.108) * (1.0 + 0.22 * at(82, 17, 0.55));
-    let grey = DVec3::new(0.24, 0.225, 0.19);
-    let lichen = DVec3::new(0.215, 0.235, 0.165);
-    let weathered = (0.35 + 0.5 * at(83, 5, 0.35) + 0.3 * at(84, 23, 1.1)).clamp(0.0, 0.85);
-    let mut color = plate + (grey - plate) * weathered;
-    let patch = (1.6 * at(85, 4, 0.4) + 0.5 * at(86, 19, 2.2) - 0.45).clamp(0.0, 0.7);
-    color += (lichen - color) * patch;
-    color = furrow + (color - furrow) * ridge * ridge;
-    // Flakes and dust.
-    let speck = 0.2 * at(87, 90, 7.0) + 0.16 * at(88, 47, 3.0) + 0.12 * at(72, 110, 3.1);
-    (color * (1.0 + speck).max(0.2))
-        .clamp(DVec3::ZERO, DVec3::ONE)
-        .to_array()
-}
-
-/// Paints the branch's bark as a texture, around the branch in a row of `width` pixels and along it in `height` rows. What
-/// is painted is [`bark_color`] over `base_color`, by which a material multiplies it again.
-pub fn paint_bark(
-    options: &BranchOptions,
-    width: u32,
-    height: u32,
-    base_color: [f32; 3],
-) -> RgbImage {
-    let fraction = |pixel: u32, count: u32| (f64::from(pixel) + 0.5) / f64::from(count);
-    let mut rgb = Vec::with_capacity(width as usize * height as usize * 3);
-    for y in 0..height {
-        let along = fraction(y, height);
-        for x in 0..width {
-            let color = bark_color(options, along, fraction(x, width));
-            let factors = color.iter().zip(base_color);
-            rgb.extend(factors.map(|(&c, base)| srgb_from_linear(c / f64::from(base))));
-        }
-    }
-    RgbImage { width, height, rgb }
-}
-
 /// Area-weighted normals of a tube of `rows` × `around` quads, equal on both sides of its seam.
 fn side_normals(mesh: &Mesh, around: usize, rows: usize) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; mesh.positions.len()];
@@ -372,7 +324,6 @@ fn finish(mut mesh: Mesh, uv: Vec<f32>, normals: Vec<DVec3>) -> Mesh {
         .insert("NORMAL".to_owned(), Attribute { width: 3, data });
     mesh.attributes
         .insert("TEXCOORD_0".to_owned(), Attribute { width: 2, data: uv });
-    mesh.materials = vec![0; mesh.triangles.len()];
     mesh
 }
 
@@ -517,36 +468,4 @@ mod tests {
     }
 
     const DIGEST: u64 = 1_178_509_892_513_809_040;
-
-    #[test]
-    fn the_colour_of_bark_closes_around_the_branch_and_furrows_are_dark() {
-        let options = BranchOptions::default();
-        let bright = |c: [f64; 3]| c.iter().sum::<f64>();
-        let (mut deep, mut high) = ((0.0, 0), (0.0, 0));
-        for i in 0..40 {
-            for j in 0..200 {
-                let (along, turn) = (f64::from(i) / 40.0, f64::from(j) / 200.0);
-                let color = bark_color(&options, along, turn);
-                assert!(color.iter().all(|c| (0.0..=1.0).contains(c)));
-                let (coarse, _) = furrows(&options, along, turn);
-                let sum = if coarse < 0.3 {
-                    &mut deep
-                } else if coarse > 0.8 {
-                    &mut high
-                } else {
-                    continue;
-                };
-                *sum = (sum.0 + bright(color), sum.1 + 1);
-            }
-            let along = f64::from(i) / 40.0;
-            let (a, b) = (
-                bark_color(&options, along, 0.0),
-                bark_color(&options, along, 1.0),
-            );
-            assert!((bright(a) - bright(b)).abs() < 1e-9);
-        }
-        assert!(deep.1 > 100 && high.1 > 100);
-        let (deep, high) = (deep.0 / f64::from(deep.1), high.0 / f64::from(high.1));
-        assert!(high > 1.8 * deep, "{high} on ridges, {deep} in furrows");
-    }
 }

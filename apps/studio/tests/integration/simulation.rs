@@ -141,8 +141,7 @@ fn a_simulation_is_stopped_and_left_and_the_window_stays_awake() {
 fn the_stem_at_hand_is_simulated_and_its_break_is_one_step() {
     let folder = Folder::new();
     let mesh = folder.0.join("rod.glb");
-    let mut rod = greenstick::wood::primitive::cylinder(0.006, 0.2, 24);
-    rod.materials.clear();
+    let rod = greenstick::wood::primitive::cylinder(0.006, 0.2, 24);
     let node = greenstick::geometry::Node::new("rod", glam::DAffine3::IDENTITY, rod);
     let made = greenstick::geometry::Scene {
         nodes: vec![node],

@@ -37,7 +37,6 @@ fn node(name: &str, mesh: Mesh, at: DVec3) -> Node {
 fn trunk() -> Mesh {
     let mut mesh = primitive::cylinder(RADIUS, LENGTH, 24);
     mesh.attributes.clear();
-    mesh.materials.clear();
     let middle = |t: &[u32; 3]| t.iter().map(|&v| mesh.positions[v as usize]).sum::<DVec3>() / 3.0;
     let goal = DVec3::new(RADIUS, BRANCH, 0.0);
     let mut order: Vec<[u32; 3]> = mesh.triangles.clone();

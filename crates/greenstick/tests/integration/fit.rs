@@ -9,6 +9,7 @@ use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::Context;
 use greenstick::skin::rods::{FractureState, RodBreak};
 use greenstick::wood::noise::unit;
+use greenstick::wood::stem::StemKind;
 use greenstick::{Break, BreakRequest, BreakSession};
 
 const RADIUS: f64 = 0.02;
@@ -177,11 +178,12 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
     let part = report.face_m / report.relief_m;
     assert!((0.95..1.05).contains(&part), "{report}");
     // The recipe alone draws that face again.
-    let request = BreakRequest::single(Break {
+    let mut request = BreakRequest::single(Break {
         place: fit.location,
         recipe: Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
         ..Break::default()
     });
+    request.stem.kind = Some(StemKind::Round);
     let mut session = BreakSession::new(grown.scene.clone());
     let drawn = session.relief_range(&request, &Context::quiet()).unwrap();
     assert!(

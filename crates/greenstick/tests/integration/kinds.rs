@@ -2,7 +2,10 @@
 
 use crate::support::scene;
 use glam::DVec3;
-use greenstick::geometry::{Context, Material, Mesh, Scene};
+use greenstick::geometry::{
+    Context, Image, ImageSource, Material, Mesh, Scene, Texture, TextureReference,
+};
+use greenstick::wood::colour::RgbImage;
 use greenstick::wood::primitive;
 use greenstick::wood::stem::StemKind;
 use greenstick::{BreakRequest, BreakSession, Broken};
@@ -30,8 +33,7 @@ fn materials(broken: &Broken) -> Vec<&str> {
 
 #[test]
 fn a_dowel_and_a_pole_have_no_bark() {
-    let mut rod = primitive::cylinder(0.01, 0.4, 48);
-    rod.materials.clear();
+    let rod = primitive::cylinder(0.01, 0.4, 48);
     let rod = scene(rod, 1.0);
     for (kind, outside, barked) in [
         (Some(StemKind::Round), "bark", true),
@@ -147,15 +149,10 @@ fn there_is_no_bark_in_the_bore_of_a_tube() {
 
 #[test]
 fn plain_rods_are_dowels_or_poles_and_what_grew_has_bark() {
-    let plain = |radius: f64, length: f64| {
-        let mut rod = primitive::cylinder(radius, length, 48);
-        rod.materials.clear();
-        rod
-    };
+    let plain = |radius: f64, length: f64| primitive::cylinder(radius, length, 48);
     // Moved point by point: a bend, a taper, and a surface that is out of round.
     let moved = |move_to: &dyn Fn(DVec3) -> DVec3| {
         let mut rod = primitive::cylinder_of(0.01, 0.4, 48, 40);
-        rod.materials.clear();
         rod.positions.iter_mut().for_each(|p| *p = move_to(*p));
         rod
     };
@@ -179,8 +176,29 @@ fn plain_rods_are_dowels_or_poles_and_what_grew_has_bark() {
     // A texture could show bark.
     let mut painted = scene(plain(0.01, 0.4), 1.0);
     painted.nodes[0].mesh_mut().materials = vec![0; painted.nodes[0].mesh.triangles.len()];
-    let branch = greenstick::built_in_branch();
-    painted.materials = branch.materials;
-    (painted.textures, painted.images) = (branch.textures, branch.images);
+    painted.materials = vec![Material {
+        base_color_texture: Some(TextureReference {
+            texture: 0,
+            coordinates: 0,
+            transform: None,
+            strength: 1.0,
+        }),
+        ..Material::default()
+    }];
+    painted.textures = vec![Texture {
+        image: Some(0),
+        alternatives: Vec::new(),
+        sampler: [None; 4],
+    }];
+    let white = RgbImage {
+        width: 1,
+        height: 1,
+        rgb: vec![255; 3],
+    };
+    painted.images = vec![Image {
+        name: "white".into(),
+        mime_type: "image/png".into(),
+        source: ImageSource::Bytes(white.png()),
+    }];
     assert_eq!(broken(&painted, None).0.report.place.kind, "round");
 }

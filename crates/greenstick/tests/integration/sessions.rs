@@ -295,7 +295,8 @@ fn a_stem_breaks_at_several_places_into_pieces_in_order() {
     assert!((place(1).length_m / length - 0.8).abs() < 0.01);
     let materials: Vec<u32> = broken.woods.iter().map(|w| w.material).collect();
     assert_eq!(materials, [2, 1, 3]);
-    assert_eq!(broken.scene.materials.len(), 4);
+    // Beside bark and three woods, sawn ends.
+    assert_eq!(broken.scene.materials.len(), 5);
     // A change of the lowest break leaves the others as they are.
     let mut changed = request.clone();
     apply_setting(&mut changed.breaks[2], "slab_height=0.5").unwrap();

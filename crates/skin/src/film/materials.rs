@@ -3,6 +3,7 @@
 use super::error::FilmError;
 use super::options::FilmOptions;
 use super::run::Run;
+use crate::broken::lacks_material;
 use crate::materials;
 use crate::rods_scene::body_material;
 use greenstick_geometry::{Context, Scene};
@@ -19,12 +20,19 @@ impl Run {
         if options.texture_width > 0 {
             let width = options.texture_width;
             let stem = &self.wood.stem;
-            let baked = materials::bake(stem, self.square, &self.appearance, width, context)?;
+            let [inside, outside] = [0, 1].map(|at| context.item(at, 2));
+            let baked = materials::bake(stem, self.square, &self.appearance, width, &inside)?;
             materials::add_inner_wood(&mut out, self.square, &baked);
+            if stem.kind.has_bark() && lacks_material(&self.bark) {
+                let baked = materials::bake_bark(stem, &self.appearance, width, &outside)?;
+                materials::add_bark(&mut out, &baked);
+            } else {
+                out.materials.push(bark_material());
+            }
         } else {
             materials::add_plain_inner_wood(&mut out, &self.appearance);
+            out.materials.push(bark_material());
         }
-        out.materials.push(bark_material());
         out.materials.push(body_material());
         // Then those of the input.
         let input = &self.wood.input;
