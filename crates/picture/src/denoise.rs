@@ -37,20 +37,25 @@ impl<'a> Neighbours<'a> {
         is_inside.then(|| b as usize * self.size[0] + a as usize)
     }
 
-    /// The 24 pixels around one, as far as they are in the picture.
-    pub fn around(&self, at: [usize; 2]) -> impl Iterator<Item = usize> {
-        (-2..=2)
-            .flat_map(|dy| (-2..=2).map(move |dx| [dx, dy]))
-            .filter(|offset| *offset != [0, 0])
-            .filter_map(move |offset| self.index(at, offset))
+    /// Visits the 24 pixels around one, as far as they are in the picture.
+    pub fn visit_around(&self, [x, y]: [usize; 2], mut visit: impl FnMut(usize)) {
+        let [width, height] = self.size;
+        let columns = x.saturating_sub(2)..(x + 3).min(width);
+        for row in y.saturating_sub(2)..(y + 3).min(height) {
+            for column in columns.clone() {
+                if [column, row] != [x, y] {
+                    visit(row * width + column);
+                }
+            }
+        }
     }
 
     /// The number of pixels around one that show the same surface, which count by how alike they are, of 24.
     pub fn support(&self, at: [usize; 2]) -> f32 {
         let here = &self.places[at[1] * self.size[0] + at[0]];
-        self.around(at)
-            .map(|i| likeness(here, &self.places[i]))
-            .sum()
+        let mut sum = 0.0;
+        self.visit_around(at, |i| sum += likeness(here, &self.places[i]));
+        sum
     }
 }
 
@@ -58,6 +63,10 @@ impl<'a> Neighbours<'a> {
 pub(crate) fn likeness(here: &Place, there: &Place) -> f32 {
     if here.met != there.met || here.met == Met::Background {
         return 0.0;
+    }
+    // Flat.
+    if here.met == Met::Floor {
+        return 1.0;
     }
     let away = here.normal.dot(there.position - here.position) / (here.footprint * PLANE_TOLERANCE);
     let turned = (1.0 - here.normal.dot(there.normal)) / NORMAL_TOLERANCE;

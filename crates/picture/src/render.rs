@@ -268,8 +268,19 @@ fn radiance(
         places: &places,
         size: frame.size,
     };
-    let light = rows(1).fill(|x, y| frame.light(&neighbours, x, y))?;
-    let light = rows(2).fill(|x, y| frame.refined(&neighbours, &light, x, y))?;
+    let columns = frame.size[0];
+    let support: Vec<f32> = (0..places.len())
+        .into_par_iter()
+        .map(|i| neighbours.support([i % columns, i / columns]))
+        .collect();
+    let light = rows(1).fill(|x, y| {
+        let at = y * columns + x;
+        frame.light(&places[at], support[at], x, y)
+    })?;
+    let light = rows(2).fill(|x, y| {
+        let support = support[y * columns + x];
+        frame.refined(&neighbours, (&light, support), [x, y])
+    })?;
     let light = smooth(&neighbours, light);
     let centres: Vec<Vec3> = (seen.par_iter().zip(&light))
         .map(|(seen, light)| seen.radiance(frame.studio, light))

@@ -6,7 +6,7 @@ use crate::denoise::{Neighbours, likeness};
 use crate::light::{Light, Studio, luminance};
 use crate::sampling::{Purpose, Sampler};
 use crate::scene::Scene;
-use crate::surface::{Met, Seen};
+use crate::surface::{Met, Place, Seen};
 use glam::Vec3;
 
 /// Pixels around one that show its surface too, of 24, below which it takes twice as many rays for its light: the filter
@@ -21,11 +21,14 @@ const MORE_RAYS: u32 = 4;
 /// Likeness of neighbours below which there is an edge between them.
 const EDGE_LIKENESS: f32 = 0.2;
 /// Difference of luminance between neighbours, as a part of their sum, from which one ray does not stand for a pixel.
-const DETAIL_CONTRAST: f32 = 0.3;
-/// The same between the first rays of a pixel, from which on all of them are needed.
-const RAY_CONTRAST: f32 = 0.2;
+const DETAIL_CONTRAST: f32 = 0.4;
+/// The same between the first rays of a pixel, from which on more are needed.
+const RAY_CONTRAST: f32 = 0.35;
 /// Rays of a pixel before it is decided whether the others are needed.
 const FIRST_RAYS: u32 = 4;
+/// Standard error of the mean of the rays of a pixel from which on no more are needed. They are spread evenly, so that the mean is better
+/// than that of random ones.
+const MEAN_ERROR: f32 = 0.3;
 /// Rays per pixel from which on every pixel takes all of them.
 const RAYS_FOR_ALL: u32 = 64;
 /// Likeness of places around that together suffice to light a place.
@@ -63,33 +66,41 @@ impl Frame<'_> {
         self.look([x, y], [0.0, 0.0], &[])
     }
 
-    /// The light at what is seen there.
-    pub fn light(&self, neighbours: &Neighbours, x: usize, y: usize) -> Light {
-        let place = &neighbours.places[y * self.size[0] + x];
+    /// The light at what is seen there, where so many pixels around show the same surface.
+    pub fn light(&self, place: &Place, support: f32, x: usize, y: usize) -> Light {
         if place.met.is_unlit() {
             return Light::default();
         }
-        let support = neighbours.support([x, y]);
-        let factor = if support > LITTLE_SUPPORT { 1 } else { 2 };
         let sampler = self.light_sampler([x, y]);
+        let factor = if support > LITTLE_SUPPORT { 1 } else { 2 };
         (self.scene).light_at(self.studio, place, &sampler, factor * self.rays)
     }
 
     /// The light with more rays to the key light where its shadow is soft on a smooth surface, on which noise would be seen best.
-    pub fn refined(&self, neighbours: &Neighbours, light: &[Light], x: usize, y: usize) -> Light {
+    pub fn refined(
+        &self,
+        neighbours: &Neighbours,
+        (light, support): (&[Light], f32),
+        [x, y]: [usize; 2],
+    ) -> Light {
         let at = y * self.size[0] + x;
         let place = &neighbours.places[at];
-        if place.met.is_unlit() || neighbours.support([x, y]) < SMOOTH_SUPPORT {
+        if place.met.is_unlit() || support < SMOOTH_SUPPORT {
             return light[at];
         }
-        let (mut low, mut high) = (1.0f32, 0.0f32);
-        for index in neighbours.around([x, y]) {
-            if likeness(place, &neighbours.places[index]) > EDGE_LIKENESS {
+        // Most places are not in a soft shadow, whatever surfaces are around them.
+        let range_where = |counts: &dyn Fn(usize) -> bool| {
+            let (mut low, mut high) = (1.0f32, 0.0f32);
+            neighbours.visit_around([x, y], |index| {
                 let share = light[index].lamps[0];
-                (low, high) = (low.min(share), high.max(share));
-            }
-        }
-        if high - low < SOFT_SHADOW {
+                if counts(index) {
+                    (low, high) = (low.min(share), high.max(share));
+                }
+            });
+            high - low
+        };
+        let is_alike = |i: usize| likeness(place, &neighbours.places[i]) > EDGE_LIKENESS;
+        if range_where(&|_| true) < SOFT_SHADOW || range_where(&is_alike) < SOFT_SHADOW {
             return light[at];
         }
         let rays = [self.rays, (MORE_RAYS - 1) * self.rays];
@@ -129,7 +140,7 @@ impl Resolve<'_> {
         // What rays have seen in this pixel and what they may see again.
         let mut known = Vec::with_capacity(samples.min(RAYS_FOR_ALL) as usize);
         let (mut sum, mut low, mut high) = (Vec3::ZERO, f32::INFINITY, 0.0f32);
-        let mut count = 0;
+        let (mut count, mut squares) = (0, 0.0);
         while count < samples {
             let [dx, dy] = sampler.square(count, Purpose::Pixel).map(tent);
             let may_share = !all && count >= FIRST_RAYS;
@@ -143,8 +154,13 @@ impl Resolve<'_> {
             let brightness = luminance(radiance);
             (low, high) = (low.min(brightness), high.max(brightness));
             sum += radiance;
+            squares += brightness * brightness;
             count += 1;
-            if count == FIRST_RAYS && !all && contrast(low, high) < RAY_CONTRAST {
+            let is_enough = || match count {
+                FIRST_RAYS => contrast(low, high) < RAY_CONTRAST,
+                _ => standard_error(luminance(sum), squares, count) < MEAN_ERROR,
+            };
+            if !all && count.is_multiple_of(FIRST_RAYS) && is_enough() {
                 break;
             }
         }
@@ -170,19 +186,22 @@ impl Resolve<'_> {
         let centre = at[1] * self.frame.size[0] + at[0];
         let here = &self.neighbours.places[centre];
         let own = luminance(self.centres[centre]);
-        (-1..=1)
-            .flat_map(|dy| (-1..=1).map(move |dx| [dx, dy]))
-            .filter_map(|offset| self.neighbours.index(at, offset))
-            .any(|i| {
-                let there = &self.neighbours.places[i];
-                let is_empty = here.met == Met::Background && there.met == Met::Background;
-                // Detail of a ground is averaged over a pixel where it is made.
-                let is_ground = is_ground(here.met) && is_ground(there.met);
-                !is_empty
-                    && (likeness(here, there) < EDGE_LIKENESS
-                        || !is_ground
-                            && contrast(own, luminance(self.centres[i])) > DETAIL_CONTRAST)
-            })
+        let differs = |i: usize| {
+            let there = &self.neighbours.places[i];
+            let is_empty = here.met == Met::Background && there.met == Met::Background;
+            // Detail of a ground is averaged over a pixel where it is made.
+            let is_ground = is_ground(here.met) && is_ground(there.met);
+            !is_empty
+                && (likeness(here, there) < EDGE_LIKENESS
+                    || !is_ground && contrast(own, luminance(self.centres[i])) > DETAIL_CONTRAST)
+        };
+        let [x, y] = at;
+        let columns = x.saturating_sub(1)..(x + 2).min(self.frame.size[0]);
+        (y.saturating_sub(1)..(y + 2).min(self.frame.size[1])).any(|row| {
+            columns
+                .clone()
+                .any(|column| differs(row * self.frame.size[0] + column))
+        })
     }
 
     /// The light at what a ray sees that left the middle of its pixel by an offset: that of alike places around, or its own.
@@ -234,6 +253,14 @@ impl Resolve<'_> {
 /// Whether a ray met the floor.
 fn is_ground(met: Met) -> bool {
     matches!(met, Met::Floor | Met::FarGround)
+}
+
+/// The standard error of the mean of `count` luminances, as a part of it, from their sum and that of their squares.
+fn standard_error(sum: f32, squares: f32, count: u32) -> f32 {
+    let n = count as f32;
+    let mean = sum / n;
+    let variance = (squares / n - mean * mean).max(0.0) / n;
+    variance.sqrt() / (mean + CONTRAST_BASE)
 }
 
 /// How much two luminances differ.

@@ -6,7 +6,9 @@ use glam::{Vec3, Vec4};
 use super::bounds::{Bounds, greater, lesser};
 
 /// Most triangles in a leaf.
-const LEAF_SIZE: usize = 4;
+pub(super) const LEAF_SIZE: usize = 4;
+/// Marks the number of a leaf among those of nodes.
+pub(super) const LEAF: u32 = 1 << 31;
 /// Bins per axis. More of them hardly improve the tree; fewer make rays slower.
 const BINS: usize = 16;
 /// Nodes with fewer triangles try splits along all axes, larger ones only along the widest, which is nearly always best
@@ -20,6 +22,8 @@ const MAX_BINNED_DEPTH: usize = 32;
 /// The nodes of the hierarchy, the root first, and the triangles in the order of its leaves.
 pub(super) struct Tree {
     pub nodes: Vec<Node>,
+    /// The first and the number of the triangles of each leaf.
+    pub leaves: Vec<(u32, u32)>,
     /// Index in the original list of each triangle.
     pub order: Vec<u32>,
 }
@@ -40,14 +44,12 @@ struct BinaryNode {
     count: u32,
 }
 
-/// A node with four children. Where `count` is 0, `child` is an inner node, otherwise the first of `count` triangles of a
-/// leaf. Absent children have empty boxes, which no ray hits.
+/// A node with four children: other nodes, or leaves, marked by [`LEAF`]. Absent children have empty boxes, which no ray hits.
 #[derive(Clone, Copy)]
 pub(super) struct Node {
     pub low: [Vec4; 3],
     pub high: [Vec4; 3],
     pub child: [u32; 4],
-    pub count: [u32; 4],
 }
 
 /// Builds the hierarchy. Corners must be finite.
@@ -66,12 +68,13 @@ pub(super) fn build(triangles: &[[Vec3; 3]]) -> Tree {
     let mut bounds = Bounds::EMPTY;
     references.iter().for_each(|r| bounds.join(&r.bounds));
     let binary = subtree(&mut references, 0, bounds, 0);
-    let mut nodes = Vec::with_capacity(binary.len() / 3 + 1);
-    collapse(&binary, 0, &mut nodes);
-    Tree {
-        nodes,
+    let mut tree = Tree {
+        nodes: Vec::with_capacity(binary.len() / 3 + 1),
+        leaves: Vec::with_capacity(binary.len() / 2 + 1),
         order: references.iter().map(|r| r.triangle).collect(),
-    }
+    };
+    tree.collapse(&binary, 0);
+    tree
 }
 
 /// Builds the subtree of a range of triangles, which starts at `start` of the whole list.
@@ -259,46 +262,47 @@ fn best_plane(references: &[Reference], middles: &Bounds) -> Option<Plane> {
     best
 }
 
-/// Collapses the binary subtree at `root` into nodes with four children. Returns the index of its root.
-fn collapse(binary: &[BinaryNode], root: usize, nodes: &mut Vec<Node>) -> u32 {
-    let mut children = [usize::MAX; 4];
-    let mut number = 1;
-    children[0] = root;
-    while number < 4 {
-        // Open the largest inner child.
-        let largest = (0..number)
-            .filter(|&c| binary[children[c]].count == 0)
-            .max_by(|&a, &b| {
-                let area = |c: usize| binary[children[c]].bounds.half_area();
-                area(a).total_cmp(&area(b))
-            });
-        let Some(largest) = largest else { break };
-        let opened = children[largest];
-        children[largest] = opened + 1;
-        children[number] = opened + binary[opened].right as usize;
-        number += 1;
-    }
-    let at = nodes.len();
-    nodes.push(Node {
-        low: [Vec4::INFINITY; 3],
-        high: [Vec4::NEG_INFINITY; 3],
-        child: [0; 4],
-        count: [0; 4],
-    });
-    for (c, &child) in children[..number].iter().enumerate() {
-        let from = &binary[child];
-        let below = if from.count > 0 {
-            from.start
-        } else {
-            collapse(binary, child, nodes)
-        };
-        let node = &mut nodes[at];
-        node.child[c] = below;
-        node.count[c] = from.count;
-        for a in 0..3 {
-            node.low[a][c] = from.bounds.low[a];
-            node.high[a][c] = from.bounds.high[a];
+impl Tree {
+    /// Collapses the binary subtree at `root` into nodes with four children. Returns the index of its root.
+    fn collapse(&mut self, binary: &[BinaryNode], root: usize) -> u32 {
+        let mut children = [usize::MAX; 4];
+        let mut number = 1;
+        children[0] = root;
+        while number < 4 {
+            // Open the largest inner child.
+            let largest = (0..number)
+                .filter(|&c| binary[children[c]].count == 0)
+                .max_by(|&a, &b| {
+                    let area = |c: usize| binary[children[c]].bounds.half_area();
+                    area(a).total_cmp(&area(b))
+                });
+            let Some(largest) = largest else { break };
+            let opened = children[largest];
+            children[largest] = opened + 1;
+            children[number] = opened + binary[opened].right as usize;
+            number += 1;
         }
+        let at = self.nodes.len();
+        self.nodes.push(Node {
+            low: [Vec4::INFINITY; 3],
+            high: [Vec4::NEG_INFINITY; 3],
+            child: [0; 4],
+        });
+        for (c, &child) in children[..number].iter().enumerate() {
+            let from = &binary[child];
+            let below = if from.count > 0 {
+                self.leaves.push((from.start, from.count));
+                (self.leaves.len() - 1) as u32 | LEAF
+            } else {
+                self.collapse(binary, child)
+            };
+            let node = &mut self.nodes[at];
+            node.child[c] = below;
+            for a in 0..3 {
+                node.low[a][c] = from.bounds.low[a];
+                node.high[a][c] = from.bounds.high[a];
+            }
+        }
+        at as u32
     }
-    at as u32
 }

@@ -11,7 +11,7 @@ mod build;
 
 use glam::{Vec3, Vec4};
 
-use build::Node;
+use build::{LEAF, LEAF_SIZE, Node};
 
 /// Nodes that wait in a traversal without memory of their own: 3 for each level of a usual tree. A tree has at most 32 + 31.
 const STACK_SIZE: usize = 48;
@@ -45,21 +45,55 @@ pub(crate) struct Intersection {
 /// The hierarchy over a list of triangles.
 pub(crate) struct Bvh {
     nodes: Vec<Node>,
-    /// Corners in leaf order.
-    corners: Vec<[Vec3; 3]>,
-    /// Index of each of these triangles in the original list.
-    numbers: Vec<u32>,
+    /// The triangles of each leaf.
+    leaves: Vec<Leaf>,
+}
+
+/// The triangles of a leaf, side by side, so that a ray is tested with all of them at once.
+#[derive(Clone, Copy)]
+struct Leaf {
+    /// Coordinates of the three corners, by axis; NaN, which no ray meets, where there are fewer triangles than four.
+    corners: [[Vec4; 3]; 3],
+    /// Index of each triangle in the original list.
+    numbers: [u32; LEAF_SIZE],
+}
+
+impl Leaf {
+    fn new(triangles: &[[Vec3; 3]], numbers: &[u32]) -> Leaf {
+        let mut leaf = Leaf {
+            corners: [[Vec4::NAN; 3]; 3],
+            numbers: [u32::MAX; LEAF_SIZE],
+        };
+        for (lane, &number) in numbers.iter().enumerate() {
+            leaf.numbers[lane] = number;
+            for (corner, p) in leaf.corners.iter_mut().zip(triangles[number as usize]) {
+                for (axis, coordinate) in corner.iter_mut().zip(p.to_array()) {
+                    axis[lane] = coordinate;
+                }
+            }
+        }
+        leaf
+    }
+
+    fn triangle(&self, lane: usize) -> [Vec3; 3] {
+        (self.corners).map(|corner| Vec3::from_array(corner.map(|axis| axis[lane])))
+    }
 }
 
 impl Bvh {
     /// Builds the hierarchy. Corners must be finite.
     pub fn new(triangles: &[[Vec3; 3]]) -> Bvh {
-        let build::Tree { nodes, order } = build::build(triangles);
-        let corners = order.iter().map(|&i| triangles[i as usize]).collect();
+        let build::Tree {
+            nodes,
+            leaves,
+            order,
+        } = build::build(triangles);
+        let leaf = |&(first, count): &(u32, u32)| {
+            Leaf::new(triangles, &order[first as usize..(first + count) as usize])
+        };
         Bvh {
             nodes,
-            corners,
-            numbers: order,
+            leaves: leaves.iter().map(leaf).collect(),
         }
     }
 
@@ -84,40 +118,41 @@ impl Bvh {
             }
         });
         let origin = ray.origin.to_array();
+        // Many rays miss everything.
+        let (entries, exits) = slabs(&self.nodes[0], origin, inverse, ray.max_distance);
+        if !entries.cmple(exits).any() {
+            return None;
+        }
         let sheared = ShearedRay::new(ray);
         let mut best: Option<Intersection> = None;
         let mut max_distance = ray.max_distance;
         let mut stack = Stack::default();
-        stack.push((0, 0, 0.0));
-        while let Some((child, count, entry)) = stack.pop() {
+        stack.push((0, 0.0));
+        while let Some((child, entry)) = stack.pop() {
             if entry > max_distance {
                 continue;
             }
-            if count > 0 {
-                for i in child as usize..(child + count) as usize {
-                    let Some((distance, weights)) =
-                        sheared.intersect(&self.corners[i], max_distance)
-                    else {
-                        continue;
+            if child & LEAF != 0 {
+                let leaf = &self.leaves[(child & !LEAF) as usize];
+                let (mut met, distances, weights) = sheared.intersect(leaf, max_distance);
+                while met != 0 {
+                    let lane = met.trailing_zeros() as usize;
+                    met &= met - 1;
+                    let found = Intersection {
+                        distance: distances[lane],
+                        triangle: leaf.numbers[lane],
+                        weights: weights.map(|w| w[lane]),
+                        corners: leaf.triangle(lane),
                     };
-                    let triangle = self.numbers[i];
                     if ANY {
-                        return Some(Intersection {
-                            distance,
-                            triangle,
-                            weights,
-                            corners: self.corners[i],
-                        });
+                        return Some(found);
                     }
                     // Of triangles at the same distance the first in the original list wins, whatever the tree.
-                    if best.is_none_or(|b| distance < b.distance || triangle < b.triangle) {
-                        best = Some(Intersection {
-                            distance,
-                            triangle,
-                            weights,
-                            corners: self.corners[i],
-                        });
-                        max_distance = distance;
+                    if best
+                        .is_none_or(|b| (found.distance, found.triangle) < (b.distance, b.triangle))
+                    {
+                        best = Some(found);
+                        max_distance = found.distance;
                     }
                 }
                 continue;
@@ -127,17 +162,17 @@ impl Bvh {
             let mut open = entries.cmple(exits).bitmask();
             let entries = entries.to_array();
             // The nearest child goes on top; for any intersection the order does not matter.
-            let mut found = [(0u32, 0u32, 0f32); 4];
+            let mut found = [(0u32, 0f32); 4];
             let mut number = 0;
             while open != 0 {
                 let c = open.trailing_zeros() as usize;
                 open &= open - 1;
                 let mut at = number;
-                while !ANY && at > 0 && found[at - 1].2 < entries[c] {
+                while !ANY && at > 0 && found[at - 1].1 < entries[c] {
                     found[at] = found[at - 1];
                     at -= 1;
                 }
-                found[at] = (node.child[c], node.count[c], entries[c]);
+                found[at] = (node.child[c], entries[c]);
                 number += 1;
             }
             found[..number].iter().for_each(|&f| stack.push(f));
@@ -146,18 +181,18 @@ impl Bvh {
     }
 }
 
-/// The nodes that a traversal has still to look at: child, count and entry.
+/// The nodes and leaves that a traversal has still to look at, and where it enters them.
 struct Stack {
-    first: [(u32, u32, f32); STACK_SIZE],
+    first: [(u32, f32); STACK_SIZE],
     height: usize,
     /// What does not fit into `first`.
-    rest: Vec<(u32, u32, f32)>,
+    rest: Vec<(u32, f32)>,
 }
 
 impl Default for Stack {
     fn default() -> Self {
         Stack {
-            first: [(0, 0, 0.0); STACK_SIZE],
+            first: [(0, 0.0); STACK_SIZE],
             height: 0,
             rest: Vec::new(),
         }
@@ -166,7 +201,7 @@ impl Default for Stack {
 
 impl Stack {
     #[inline(always)]
-    fn push(&mut self, node: (u32, u32, f32)) {
+    fn push(&mut self, node: (u32, f32)) {
         match self.first.get_mut(self.height) {
             Some(free) => {
                 *free = node;
@@ -177,7 +212,7 @@ impl Stack {
     }
 
     #[inline(always)]
-    fn pop(&mut self) -> Option<(u32, u32, f32)> {
+    fn pop(&mut self) -> Option<(u32, f32)> {
         if let Some(last) = self.rest.pop() {
             return Some(last);
         }
@@ -227,38 +262,44 @@ impl ShearedRay {
         }
     }
 
-    /// Intersects the ray with a triangle, from either side. Returns the distance and the barycentric weights.
+    /// Intersects the ray with the triangles of a leaf, from either side. Returns a bit for each one that it meets, and the distances
+    /// and the barycentric weights.
     #[inline(always)]
-    fn intersect(&self, corners: &[Vec3; 3], max_distance: f32) -> Option<(f32, [f32; 3])> {
+    fn intersect(&self, leaf: &Leaf, max_distance: f32) -> (u32, Vec4, [Vec4; 3]) {
         let [kx, ky, kz] = self.axes;
         let [sx, sy, sz] = self.shear;
-        let [a, b, c] = corners.map(|p| (p - self.origin).to_array());
-        let (ax, ay) = (a[kx] - sx * a[kz], a[ky] - sy * a[kz]);
-        let (bx, by) = (b[kx] - sx * b[kz], b[ky] - sy * b[kz]);
-        let (cx, cy) = (c[kx] - sx * c[kz], c[ky] - sy * c[kz]);
-        let mut u = cx * by - cy * bx;
-        let mut v = ax * cy - ay * cx;
-        let mut w = bx * ay - by * ax;
-        if u == 0.0 || v == 0.0 || w == 0.0 {
+        let origin = self.origin.to_array();
+        // Coordinates in the sheared frame, and along the ray.
+        let [a, b, c] = [0, 1, 2].map(|k| {
+            let from = |axis: usize| leaf.corners[k][axis] - Vec4::splat(origin[axis]);
+            let along = from(kz);
+            [from(kx) - sx * along, from(ky) - sy * along, along]
+        });
+        let mut u = c[0] * b[1] - c[1] * b[0];
+        let mut v = a[0] * c[1] - a[1] * c[0];
+        let mut w = b[0] * a[1] - b[1] * a[0];
+        let zero = Vec4::ZERO;
+        let mut on_edge = (u.cmpeq(zero) | v.cmpeq(zero) | w.cmpeq(zero)).bitmask();
+        while on_edge != 0 {
+            let lane = on_edge.trailing_zeros() as usize;
+            on_edge &= on_edge - 1;
             // On an edge to within f32: the products are exact in f64.
-            let cross = |px: f32, py: f32, qx: f32, qy: f32| {
-                (f64::from(px) * f64::from(qy) - f64::from(py) * f64::from(qx)) as f32
+            let cross = |p: &[Vec4; 3], q: &[Vec4; 3]| {
+                let product = |x: f32, y: f32| f64::from(x) * f64::from(y);
+                (product(p[0][lane], q[1][lane]) - product(p[1][lane], q[0][lane])) as f32
             };
-            u = cross(cx, cy, bx, by);
-            v = cross(ax, ay, cx, cy);
-            w = cross(bx, by, ax, ay);
+            (u[lane], v[lane], w[lane]) = (cross(&c, &b), cross(&a, &c), cross(&b, &a));
         }
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
-        }
+        let is_outside = (u.cmplt(zero) | v.cmplt(zero) | w.cmplt(zero))
+            & (u.cmpgt(zero) | v.cmpgt(zero) | w.cmpgt(zero));
         let determinant = u + v + w;
-        if determinant == 0.0 {
-            return None;
-        }
         let inverse = 1.0 / determinant;
-        let distance = (u * a[kz] + v * b[kz] + w * c[kz]) * sz * inverse;
-        (distance > 0.0 && distance <= max_distance)
-            .then_some((distance, [u * inverse, v * inverse, w * inverse]))
+        let distance = (u * a[2] + v * b[2] + w * c[2]) * sz * inverse;
+        let is_met = !is_outside
+            & determinant.cmpne(zero)
+            & distance.cmpgt(zero)
+            & distance.cmple(Vec4::splat(max_distance));
+        (is_met.bitmask(), distance, [u, v, w].map(|x| x * inverse))
     }
 }
 

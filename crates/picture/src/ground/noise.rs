@@ -5,18 +5,35 @@ use glam::Vec2;
 
 /// A number from 0 to 1 for a cell.
 pub(super) fn unit(seed: u32, i: i32, j: i32) -> f32 {
+    part(hash(hash(seed, i as u32), j as u32))
+}
+
+/// A number from 0 to 1 for a hash.
+fn part(hash: u32) -> f32 {
     // 24 bits are what an f32 holds.
-    (hash(hash(seed, i as u32), j as u32) >> 8) as f32 / 16_777_216.0
+    (hash >> 8) as f32 / 16_777_216.0
+}
+
+/// The greatest whole number that is not above `v`, as `f32::floor` has it, which is a call where the processor's own instruction may not
+/// be used.
+fn whole(v: f32) -> f32 {
+    // From 2²³ on all are whole.
+    if v.abs() >= 8_388_608.0 {
+        return v;
+    }
+    let cut = v as i32 as f32;
+    if cut > v { cut - 1.0 } else { cut }
 }
 
 /// Value noise with features as wide as 1, from −1 to 1.
 pub(super) fn value(seed: u32, place: Vec2) -> f32 {
-    let low = place.floor();
+    let low = Vec2::new(whole(place.x), whole(place.y));
     let f = place - low;
     let s = f * f * (Vec2::splat(3.0) - 2.0 * f);
     let (i, j) = (low.x as i32, low.y as i32);
+    let columns = [i, i.wrapping_add(1)].map(|i| hash(seed, i as u32));
     let row = |j: i32| {
-        let [a, b] = [unit(seed, i, j), unit(seed, i.wrapping_add(1), j)];
+        let [a, b] = columns.map(|column| part(hash(column, j as u32)));
         a + (b - a) * s.x
     };
     let [a, b] = [row(j), row(j.wrapping_add(1))];
