@@ -145,7 +145,7 @@ struct NoiseCell {
 
 impl NoiseMemory {
     /// Noises that are told apart.
-    const NOISES: usize = 17;
+    const NOISES: usize = 18;
 }
 
 impl Noises for NoiseMemory {

@@ -659,6 +659,7 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
     let openness = clamp(depth / width / 0.15, 0.35, 1.0);
     var edges = array<f32, 3>(0.34 * openness, 0.22 * openness, 0.20 * openness);
     var ridge = 1.0;
+    var height = 0.0;
     var slope = vec3<f32>(0.0);
     for (var i = 0; i < 3; i++) {
         let size = sizes[i] * width;
@@ -686,8 +687,18 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
                 slope += (rise + ridged_rise * dot(rise, around)) * (share * 6.0 * x * (1.0 - x) * depth * shares[i] * seen);
             }
         }
+        height -= depth * shares[i] * (1.0 - open);
         ridge *= 1.0 - shares[i] * (1.0 - open);
     }
+    // Bark is calm in some places and rough in others.
+    let calm_scale = vec3<f32>(1.0, 1.0, 1.0 / 2.2) / (7.0 * width);
+    let calm = noise(seed ^ 7u, place * calm_scale);
+    let rough = max(1.0 + 1.8 * calm.w, 0.2);
+    slope *= rough;
+    if (rough > 0.2) {
+        slope += calm.xyz * calm_scale * (1.8 * height);
+    }
+    ridge = max(1.0 - rough * (1.0 - ridge), 0.0);
     var flake_sizes = array<f32, 4>(1.7, 0.5, 0.16, 0.055);
     var flake_shares = array<f32, 4>(0.09, 0.26, 0.36, 0.34);
     var shade = 0.0;
