@@ -14,12 +14,12 @@ use greenstick_wood::stem::LayeredGrain;
 use greenstick_wood::tissue::Zone;
 
 /// Slabs of the hinge, and straps of inner bark that buckle outside of it.
-const SLABS: i64 = 64;
-const STRAPS: i64 = 22;
+const SLABS: i64 = 110;
+const STRAPS: i64 = 44;
 /// Distances from the edge that the piece turned about, radii, between which slabs lie, and between which more and more of them and of
 /// the straps are torn: green wood strains by some hundredths before it tears, so that nothing bridges the wide part of the gap.
 const REACH: (f64, f64) = (0.03, 0.8);
-const TEARS: (f64, f64) = (0.1, 0.34);
+const TEARS: (f64, f64) = (0.16, 0.45);
 /// Widths of slabs and of straps, radii, and thicknesses of both. Most are narrow.
 const WIDTH: (f64, f64) = (0.02, 0.3);
 const STRAP_WIDTH: (f64, f64) = (0.05, 0.24);
@@ -39,7 +39,7 @@ const TORN_BEND: f64 = 0.35;
 /// How far straps buckle outwards, radii.
 const BUCKLE: (f64, f64) = (0.03, 0.16);
 /// Least share of straps and of slabs that are torn.
-const TORN_STRAPS: f64 = 0.3;
+const TORN_STRAPS: f64 = 0.12;
 const TORN: f64 = 0.15;
 /// How much narrower and wider a lath is along its way, at most.
 const UNEVEN: f64 = 0.3;
