@@ -292,7 +292,7 @@ await compare('mesh', mesh);
 
 // Work that takes long is stopped, and other work goes on. The address of long work is as anybody would type it.
 await page.goto('about:blank');
-await page.goto(`${address}#break.rings=300&break.sectors=300`);
+await page.goto(`${address}#break.rings=400&break.sectors=800`);
 await wait('long work', () => page.evaluate(() => performance.getEntriesByName('progress').length > 0));
 const { ended } = workers;
 await page.keyboard.press('Escape');
