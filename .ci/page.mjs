@@ -14,7 +14,7 @@ if (!folder) {
 }
 const { chromium } = createRequire(join(resolve(modules), 'package.json'))('playwright-core');
 const PATIENCE = 180_000; // ms, on a busy machine
-// Breaks of few rings, where pieces are not what is looked at: those of hundreds take a page that draws on the processor minutes.
+// A break of few rings, where it is not what is looked at: the pieces of others take a page that draws on the processor long.
 const COARSE = '#break.rings=4';
 // Small, as what is drawn on the processor takes its time by the pixel.
 const WIDTH = 1000;
@@ -277,9 +277,9 @@ await rest(6000);
 check('that the wood rests after a stop', (await frames()) <= given_up + 1);
 say(`the wood was pulled on, and ${given_up} frames of it were drawn`);
 
-// A mesh of one's own, by the settings of the address, and by other seeds.
+// A mesh of one's own, by the settings as they come, and by other seeds.
 await page.goto('about:blank');
-await page.goto(address + COARSE);
+await page.goto(address);
 await wait('a picture before a mesh', async () => (await pictures()) > 0);
 await drop(basename(mesh), readFileSync(mesh));
 await wait('the name of the mesh in the address', async () => (await hash()).includes(`input=${basename(mesh)}`));

@@ -64,7 +64,7 @@ pub(crate) fn likeness(here: &Place, there: &Place) -> f32 {
     if here.met != there.met || here.met == Met::Background {
         return 0.0;
     }
-    // Flat.
+    // The floor is one plane.
     if here.met == Met::Floor {
         return 1.0;
     }

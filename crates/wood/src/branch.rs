@@ -19,7 +19,8 @@ pub fn built_in_branch() -> Scene {
     branch_scene(&BranchOptions::default())
 }
 
-/// Returns a branch like the built-in one, of other dimensions, as a scene without materials: its bark is ours.
+/// Returns a branch like the built-in one, of other dimensions, as a scene without materials, as scans come: a break gives
+/// it bark.
 pub fn branch_scene(options: &BranchOptions) -> Scene {
     let mut mesh = primitive::branch(options);
     mesh.attributes.remove("TEXCOORD_0");

@@ -105,7 +105,7 @@ fn border(seed: u64, purpose: u64, x: f64, y: f64, period: i64) -> f64 {
 
 /// The built-in branch: bent in space, tapered, with furrowed bark, some knots and flat sawn ends. It begins at the
 /// origin and grows along +y. `NORMAL` and `TEXCOORD_0` (u from 0 to 1 around; v in circumferences of the branch, so that
-/// a square picture stays square) are set, everything has material 0. Empty where the length is not a positive number.
+/// a square picture stays square) are set, without materials. Empty where the length is not a positive number.
 pub fn branch(options: &BranchOptions) -> Mesh {
     let around = options.around.max(8) as usize;
     const STRETCH: f64 = 2.8;

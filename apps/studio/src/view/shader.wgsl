@@ -690,13 +690,13 @@ fn bark_at(place: vec3<f32>, footprint: f32) -> Look {
         height -= depth * shares[i] * (1.0 - open);
         ridge *= 1.0 - shares[i] * (1.0 - open);
     }
-    // Bark is calm in some places and rough in others.
-    let calm_scale = vec3<f32>(1.0, 1.0, 1.0 / 2.2) / (7.0 * width);
-    let calm = noise(seed ^ 7u, place * calm_scale);
-    let rough = max(1.0 + 1.8 * calm.w, 0.2);
+    // Bark is smooth in some places and rough in others.
+    let patch_scale = vec3<f32>(1.0, 1.0, 1.0 / 2.2) / (7.0 * width);
+    let smooth_patch = noise(seed ^ 7u, place * patch_scale);
+    let rough = max(1.0 + 1.8 * smooth_patch.w, 0.2);
     slope *= rough;
     if (rough > 0.2) {
-        slope += calm.xyz * calm_scale * (1.8 * height);
+        slope += smooth_patch.xyz * patch_scale * (1.8 * height);
     }
     ridge = max(1.0 - rough * (1.0 - ridge), 0.0);
     var flake_sizes = array<f32, 4>(1.7, 0.5, 0.16, 0.055);

@@ -183,6 +183,7 @@ fn a_face_drawn_with_the_fitted_recipe_is_as_high_as_the_breaks() {
         recipe: Recipe::from_toml(&fit.recipe.to_toml()).unwrap(),
         ..Break::default()
     });
+    // A plain cylinder would be taken for a dowel.
     request.stem.kind = Some(StemKind::Round);
     let mut session = BreakSession::new(grown.scene.clone());
     let drawn = session.relief_range(&request, &Context::quiet()).unwrap();

@@ -5,11 +5,11 @@ use glam::Vec2;
 
 /// A number from 0 to 1 for a cell.
 pub(super) fn unit(seed: u32, i: i32, j: i32) -> f32 {
-    part(hash(hash(seed, i as u32), j as u32))
+    fraction(hash(hash(seed, i as u32), j as u32))
 }
 
 /// A number from 0 to 1 for a hash.
-fn part(hash: u32) -> f32 {
+fn fraction(hash: u32) -> f32 {
     // 24 bits are what an f32 holds.
     (hash >> 8) as f32 / 16_777_216.0
 }
@@ -33,7 +33,7 @@ pub(super) fn value(seed: u32, place: Vec2) -> f32 {
     let (i, j) = (low.x as i32, low.y as i32);
     let columns = [i, i.wrapping_add(1)].map(|i| hash(seed, i as u32));
     let row = |j: i32| {
-        let [a, b] = columns.map(|column| part(hash(column, j as u32)));
+        let [a, b] = columns.map(|column| fraction(hash(column, j as u32)));
         a + (b - a) * s.x
     };
     let [a, b] = [row(j), row(j.wrapping_add(1))];

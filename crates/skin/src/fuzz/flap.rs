@@ -60,8 +60,8 @@ struct Edge {
     torn: f64,
 }
 
-/// Adds the flaps of a piece, about as many as have `room` triangles, as long as its fuzz has no more than it may. `torn` says of each point of the piece how torn the
-/// wood is there, 0 to 1; `points` are the points of its vertices.
+/// Adds the flaps of a piece, about as many as have `room` triangles, as long as its fuzz has no more than it may. `torn` says of each point
+/// of the piece how torn the wood is there, 0 to 1; `points` are the points of its vertices.
 pub(super) fn add_flaps(
     made: &mut StrandMesh,
     piece: &Mesh,

@@ -124,10 +124,10 @@ const FURROWS: [FigureSize; 3] = [
 /// Ridges are of several widths: the bark is shifted about the stem by slow noise, in parts of the distance between furrows, before
 /// furrows are cut. Size and length over size of the noise, and the farthest shift.
 const UNEVEN_RIDGES: FigureSize = figure(3.4, 6.0, 0.8);
-/// Bark is calm in some places and rough in others: size and length over size of the noise in furrow widths, how much of all relief it
-/// changes, and the least that is left.
-const CALM: FigureSize = figure(7.0, 2.2, 0.9);
-const MOST_CALM: f64 = 0.2;
+/// Bark is smooth in some places and rough in others: size and length over size of the noise that scales all furrows, in furrow widths,
+/// the factor on that noise, and the least scale.
+const SMOOTH_PATCHES: FigureSize = figure(7.0, 2.2, 1.8);
+const LEAST_RELIEF: f64 = 0.2;
 /// Flakes, scales and dust between them.
 const FLAKES: [FigureSize; 4] = [
     figure(1.7, 2.0, 0.09),
@@ -168,8 +168,8 @@ const PATCH_NOISE: usize = FLAKES.len();
 const LENTICEL_NOISE: usize = PATCH_NOISE + 1;
 const ALGA_NOISE: usize = LENTICEL_NOISE + 1;
 const RIDGE_NOISE: usize = ALGA_NOISE + 1;
-const CALM_NOISE: usize = RIDGE_NOISE + 1;
-const FURROW_NOISES: usize = CALM_NOISE + 1;
+const PATCHINESS_NOISE: usize = RIDGE_NOISE + 1;
+const FURROW_NOISES: usize = PATCHINESS_NOISE + 1;
 
 /// Furrows at a point.
 struct Furrows {
@@ -356,18 +356,23 @@ impl BarkAppearance {
                 (low, at.slope(seen.1) * visible),
             );
         }
-        sum.scaled(self.roughness(place, noises))
+        sum.scaled(self.relief_scale(place, noises))
     }
 
-    /// How much of its relief bark has at a place, 1 on average, and the slope of that, 1/m.
-    fn roughness(&self, place: DVec3, noises: &mut impl Noises) -> (f64, DVec3) {
+    /// The factor on the depth of furrows at a place, 1 on average, and its gradient, 1/m.
+    fn relief_scale(&self, place: DVec3, noises: &mut impl Noises) -> (f64, DVec3) {
         let seed = self.seed ^ PURPOSE ^ 7;
-        let size = DVec3::splat(CALM.size * self.furrow_width);
-        let (v, g) = self.noise((noises, CALM_NOISE), seed, place, (size, CALM.stretch));
-        let rough = 1.0 + 2.0 * CALM.share * v;
-        match rough > MOST_CALM {
-            true => (rough, g * (2.0 * CALM.share)),
-            false => (MOST_CALM, DVec3::ZERO),
+        let size = DVec3::splat(SMOOTH_PATCHES.size * self.furrow_width);
+        let (v, g) = self.noise(
+            (noises, PATCHINESS_NOISE),
+            seed,
+            place,
+            (size, SMOOTH_PATCHES.stretch),
+        );
+        let scale = 1.0 + SMOOTH_PATCHES.share * v;
+        match scale > LEAST_RELIEF {
+            true => (scale, g * SMOOTH_PATCHES.share),
+            false => (LEAST_RELIEF, DVec3::ZERO),
         }
     }
 }
@@ -433,12 +438,12 @@ impl Furrows {
         self.slope += slope * (depth * share);
     }
 
-    /// The same furrows, `rough` times as deep and as dark; `rise` is the slope of that factor.
-    fn scaled(self, (rough, rise): (f64, DVec3)) -> Furrows {
+    /// The same furrows, deeper and darker by a factor, whose gradient (1/m) comes with it.
+    fn scaled(self, (scale, gradient): (f64, DVec3)) -> Furrows {
         Furrows {
-            ridge: (1.0 - rough * (1.0 - self.ridge)).max(0.0),
-            height: rough * self.height,
-            slope: rough * self.slope + rise * self.height,
+            ridge: (1.0 - scale * (1.0 - self.ridge)).max(0.0),
+            height: scale * self.height,
+            slope: scale * self.slope + gradient * self.height,
         }
     }
 }
