@@ -131,6 +131,7 @@ pub(crate) fn bake_bark(
 }
 
 /// Adds a material of bark with its textures, which repeat with every turn and circumference.
+#[cfg(feature = "rods")]
 pub(crate) fn add_bark(scene: &mut Scene, baked: &WoodTextures) {
     let material = textured(scene, BARK_MATERIAL_NAME, baked, REPEATING, None);
     scene.materials.push(material);
