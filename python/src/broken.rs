@@ -2,11 +2,11 @@
 
 use crate::convert::{Reduced, report};
 use crate::failure::Failure;
+use crate::loaded_input::LoadedInput;
 use crate::pickled::{unseal, version_seal};
 use crate::pictures::Picture;
 use crate::request::Request;
 use crate::scene::{Scene, encode, file_dictionary};
-use crate::session::Session;
 use crate::work;
 use greenstick::Broken as Outcome;
 use greenstick::files;
@@ -31,18 +31,19 @@ pub struct Broken {
 }
 
 impl Broken {
-    pub fn new(
-        outcome: Outcome,
-        request: Request,
-        given: Option<Py<Scene>>,
-        source: Option<PathBuf>,
-    ) -> Self {
-        Broken {
-            outcome,
-            request,
-            given,
-            source,
-        }
+    /// Breaks an input as a request asks.
+    pub fn of(
+        py: Python<'_>,
+        input: &LoadedInput,
+        request: &Request,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Ok(Broken {
+            outcome: input.broken(py, request, progress)?,
+            given: input.given(py),
+            source: input.source(request),
+            request: request.clone(),
+        })
     }
 
     fn unit(&self) -> Option<LengthUnit> {
@@ -173,7 +174,7 @@ pub fn break_wood(
         Some(request) => request.clone(),
         None => Request::default_request().map_err(PyErr::from)?,
     };
-    Session::new(scene).broken(py, &request, progress)
+    Broken::of(py, &LoadedInput::new(scene), &request, progress)
 }
 
 impl Request {

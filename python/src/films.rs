@@ -4,7 +4,6 @@ use crate::convert::{Reduced, report};
 use crate::failure::Failure;
 use crate::pictures::Picture;
 use crate::scene::{Scene, encode, file_dictionary, matrix, picture_parameters};
-use crate::simulation::Run;
 use crate::values::{dictionary, each};
 use crate::work;
 use greenstick::files::{self, Batch, Output};
@@ -128,6 +127,16 @@ impl Asked {
 /// What is asked of a skin as Python gives it: settings, faces and field.
 type Words<D> = (D, Option<String>, Option<String>);
 
+/// The same as the arguments of a run's `skin` and `film`: settings, and what is named.
+fn arguments<'py>(
+    (settings, faces, field): Words<Bound<'py, PyDict>>,
+) -> PyResult<[Bound<'py, PyDict>; 2]> {
+    let named = PyDict::new(settings.py());
+    named.set_item("faces", faces)?;
+    named.set_item("field", field)?;
+    Ok([settings, named])
+}
+
 /// A run that was recorded, and the meshes that it is of.
 #[derive(Clone)]
 pub struct Recording {
@@ -144,7 +153,7 @@ impl Recording {
     pub fn skin(
         &self,
         frame: i64,
-        (run_object, asked): (Py<Run>, Asked),
+        (run_object, asked): (Py<PyAny>, Asked),
         context: &Context,
     ) -> Result<Skin, Failure> {
         let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
@@ -174,7 +183,7 @@ impl Recording {
     /// Makes a film of all frames, or of those that are asked for.
     pub fn film(
         &self,
-        (run_object, asked): (Py<Run>, Asked),
+        (run_object, asked): (Py<PyAny>, Asked),
         context: &Context,
     ) -> Result<Film, Failure> {
         let [read, work] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
@@ -221,8 +230,8 @@ impl FilmReport {
 #[pyclass(module = "greenstick", frozen)]
 pub struct Skin {
     report: FilmReport,
-    /// Its run, and the frame.
-    of: (Py<Run>, usize),
+    /// Its run (a `Run`), and the frame.
+    of: (Py<PyAny>, usize),
     asked: Asked,
     /// The run, and what is shown of it.
     shown: Mutex<(Opened, RunStill)>,
@@ -287,7 +296,7 @@ impl Skin {
 
     fn __reduce__<'py>(
         slf: &Bound<'py, Self>,
-    ) -> Reduced<'py, (Py<Run>, usize, Words<Bound<'py, PyDict>>)> {
+    ) -> Reduced<'py, (Py<PyAny>, usize, Words<Bound<'py, PyDict>>)> {
         let (py, skin) = (slf.py(), slf.get());
         let parts = (skin.of.0.clone_ref(py), skin.of.1, skin.asked.words(py)?);
         Ok((slf.get_type().getattr("_again")?, parts))
@@ -295,10 +304,13 @@ impl Skin {
 
     /// The skin of a pickle.
     #[staticmethod]
-    fn _again(run: &Bound<'_, Run>, frame: i64, words: Words<Bound<'_, PyDict>>) -> PyResult<Self> {
-        let (settings, faces, field) = words;
-        let looks = (faces.as_deref(), field.as_deref());
-        Run::skin(run, frame, Some(&settings), looks.0, looks.1, None, None)
+    fn _again<'py>(
+        run: &Bound<'py, PyAny>,
+        frame: i64,
+        words: Words<Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let [settings, shown] = arguments(words)?;
+        run.call_method("skin", (frame, settings), Some(&shown))
     }
 }
 
@@ -307,8 +319,8 @@ impl Skin {
 #[pyclass(module = "greenstick", frozen)]
 pub struct Film {
     report: FilmReport,
-    /// Its run.
-    of: Py<Run>,
+    /// Its run (a `Run`).
+    of: Py<PyAny>,
     asked: Asked,
     glb: GlbOptions,
     /// The run, and what is shown of it.
@@ -469,7 +481,7 @@ impl Film {
 
     fn __reduce__<'py>(
         slf: &Bound<'py, Self>,
-    ) -> Reduced<'py, (Py<Run>, Words<Bound<'py, PyDict>>)> {
+    ) -> Reduced<'py, (Py<PyAny>, Words<Bound<'py, PyDict>>)> {
         let (py, film) = (slf.py(), slf.get());
         let parts = (film.of.clone_ref(py), film.asked.words(py)?);
         Ok((slf.get_type().getattr("_again")?, parts))
@@ -477,9 +489,11 @@ impl Film {
 
     /// The film of a pickle.
     #[staticmethod]
-    fn _again(run: &Bound<'_, Run>, words: Words<Bound<'_, PyDict>>) -> PyResult<Self> {
-        let (settings, faces, field) = words;
-        let looks = (faces.as_deref(), field.as_deref());
-        Run::film(run, Some(&settings), looks.0, looks.1, None, None)
+    fn _again<'py>(
+        run: &Bound<'py, PyAny>,
+        words: Words<Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let [settings, shown] = arguments(words)?;
+        run.call_method("film", (settings,), Some(&shown))
     }
 }

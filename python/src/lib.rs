@@ -10,6 +10,7 @@ mod broken;
 mod convert;
 mod failure;
 mod films;
+mod loaded_input;
 mod mesh;
 mod pickled;
 mod pickled_run;

@@ -211,7 +211,7 @@ impl Run {
         keys: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Skin> {
         let asked = Asked::new(faces, field, [settings, keys])?;
-        let (recording, run) = (&slf.get().recording, slf.clone().unbind());
+        let (recording, run) = (&slf.get().recording, slf.clone().into_any().unbind());
         work::run(slf.py(), progress, |context| {
             recording.skin(frame, (run, asked), context)
         })
@@ -228,7 +228,7 @@ impl Run {
         keys: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Film> {
         let asked = Asked::new(faces, field, [settings, keys])?;
-        let (recording, run) = (&slf.get().recording, slf.clone().unbind());
+        let (recording, run) = (&slf.get().recording, slf.clone().into_any().unbind());
         work::run(slf.py(), progress, |context| {
             recording.film((run, asked), context)
         })

@@ -5,8 +5,8 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// The packages that are published for users to run, and the folders of their workspaces.
-const PUBLISHED: [(&str, &str); 2] = [("greenstick-cli", "."), ("greenstick-python", "python")];
+/// The packages that are published for users to run.
+const PUBLISHED: [&str; 2] = ["greenstick-cli", "greenstick-python"];
 
 /// A package of others.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -30,8 +30,9 @@ impl Dependencies {
     /// Finds them for the workspace at `root`.
     pub fn of(root: &Path) -> Result<Self, String> {
         let mut all = Dependencies::default();
-        for (package, folder) in PUBLISHED {
-            all.add(&metadata_of(&root.join(folder), "--locked")?, package)?;
+        let metadata = metadata_of(root, "--locked")?;
+        for package in PUBLISHED {
+            all.add(&metadata, package)?;
         }
         Ok(all)
     }

@@ -72,7 +72,8 @@ fn packages(root: &Path, folder: &Path) -> Result<(), String> {
     let mut package = cargo(root);
     // Cargo's own test of a package builds it. Nothing that is missing takes code to be made of it to be found out.
     package
-        .args(["package", "--workspace", "--exclude", "xtask", "--locked"])
+        .args(["package", "--workspace", "--locked"])
+        .args(["--exclude", "xtask", "--exclude", "greenstick-python"])
         .args(["--allow-dirty", "--no-verify", "--quiet", "--target-dir"])
         .arg(&target);
     run(package)?;
@@ -123,14 +124,9 @@ fn check_unpacked(root: &Path, sources: &Path, unpacked: &[String]) -> Result<()
 /// The program for this machine, with what its own arguments give: manual pages and completions.
 fn program(root: &Path, folder: &Path) -> Result<(), String> {
     let mut build = cargo(root);
-    build.args([
-        "build",
-        "--release",
-        "--locked",
-        "--quiet",
-        "-p",
-        "greenstick-cli",
-    ]);
+    // With the wheel's crate, so that what both need is compiled once.
+    build.args(["build", "--release", "--locked", "--quiet"]);
+    build.args(["-p", "greenstick-cli", "-p", "greenstick-python"]);
     run(build)?;
     let program = root.join(format!(
         "target/release/greenstick{}",
