@@ -1,12 +1,15 @@
 //! Depth of field: what lies before or behind the focus is spread over a disc, as a lens does.
 //!
-//! The picture is spread after it was rendered, by the distance of what the middle of each pixel sees, so that it needs no more
-//! rays (Potmesil and Chakravarty 1981). What a sharp edge hides stays hidden.
+//! The picture is spread after it was rendered, by the distances of what its pixels see, so that it needs no more rays (Potmesil and
+//! Chakravarty 1981). Pixels at edges are taken apart into what is near and what is seen past it, so that sharp edges before a
+//! blurred ground stay smooth. What a near surface hides stays hidden.
 
 use crate::camera::Camera;
+use crate::layers::{Layer, Pixel};
 use crate::surface::{Met, Place};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
+use std::f32::consts::PI;
 
 /// Radius of the disc at twice the distance of the focus with a depth of field of 1, in heights of the picture.
 const LARGEST_DISC: f32 = 0.10;
@@ -14,129 +17,431 @@ const LARGEST_DISC: f32 = 0.10;
 const MAX_RADIUS: f32 = 0.02;
 /// Share of what the picture shows that lies before the focus: it is on the near parts of the wood.
 const FOCUS_QUANTILE: f64 = 0.3;
+/// Radius up to which a disc is that of a pixel, and up to which a pixel stays as it is, pixels.
+const PIXEL_RADIUS: f32 = 0.5;
+const SHARP_RADIUS: f32 = 0.75;
+/// Radius from which on discs are those of cells of two by two pixels, which nobody could tell from those of their pixels.
+const COARSE_RADIUS: f32 = 4.0;
+/// Radius from which on what is before cells is blurred as they are: what is sharper would have their edges.
+const BLURRED_RADIUS: f32 = 1.5;
+/// Side of a cell, and of the blocks of pixels of which it is known what reaches into them, pixels.
+const CELL: usize = 2;
+const BLOCK: usize = 16;
 
-/// Distances from the camera along its view at the middles of pixels, m; infinite where nothing is.
-fn depths(places: &[Place], camera: &Camera, centre: DVec3) -> Vec<f32> {
-    let from = (centre - camera.origin).as_vec3();
-    let forward = camera.forward.as_vec3();
-    let depth = |place: &Place| match place.met {
-        Met::Background => f32::INFINITY,
-        _ => (place.position + from).dot(forward),
-    };
-    places.iter().map(depth).collect()
+/// Where a camera sees things.
+pub(crate) struct Distances {
+    from: Vec3,
+    forward: Vec3,
 }
 
-/// Spreads the pixels of a picture; `strength` is 0 to 1. Positions of places are relative to `centre`.
-pub(crate) fn spread(
-    pixels: &[Vec3],
-    size: [usize; 2],
-    (places, centre): (&[Place], DVec3),
-    camera: &Camera,
-    strength: f64,
-) -> Vec<Vec3> {
-    let depths = depths(places, camera, centre);
-    let on_items = places.iter().zip(&depths);
-    let mut items: Vec<f32> = on_items
-        .filter(|(place, _)| matches!(place.met, Met::Item(_)))
-        .map(|(_, &depth)| depth)
-        .collect();
-    if items.is_empty() {
-        return pixels.to_vec();
+impl Distances {
+    /// Distances of places whose positions are relative to `centre`.
+    pub fn new(camera: &Camera, centre: DVec3) -> Self {
+        Distances {
+            from: (centre - camera.origin).as_vec3(),
+            forward: camera.forward.as_vec3(),
+        }
     }
-    items.sort_unstable_by(f32::total_cmp);
-    let focus = items[(FOCUS_QUANTILE * (items.len() - 1) as f64) as usize];
+
+    /// One over the distance of a place from the camera along its view, 1/m; 0 where nothing is.
+    pub fn nearness(&self, place: &Place) -> f32 {
+        match place.met {
+            Met::Background => 0.0,
+            _ => 1.0 / (place.position + self.from).dot(self.forward),
+        }
+    }
+
+    /// The distance (m) on which a camera focuses that sees these places; `None` where all of them are ground.
+    pub fn focus(&self, places: &[Place]) -> Option<f32> {
+        let items = places.iter().filter(|p| matches!(p.met, Met::Item(_)));
+        let mut items: Vec<f32> = items.map(|p| 1.0 / self.nearness(p)).collect();
+        if items.is_empty() {
+            return None;
+        }
+        let at = (FOCUS_QUANTILE * (items.len() - 1) as f64) as usize;
+        Some(*items.select_nth_unstable_by(at, f32::total_cmp).1)
+    }
+}
+
+/// The depth of field (0 to 1) of a lens of a diameter (m) that is focused on a distance (m).
+pub(crate) fn depth_of_field(diameter: f64, focus: f32, camera: &Camera) -> f64 {
+    // Seen from the lens, a far point covers a disc of its diameter in the plane of the focus.
+    let height = 2.0 * f64::from(focus) * camera.tangents[1];
+    let disc = 0.5 * diameter / height;
+    disc / (2.0 * f64::from(LARGEST_DISC))
+}
+
+/// Spreads the pixels of a picture; `strength` is 0 to 1, `focus` the distance (m) of what stays sharp.
+pub(crate) fn spread(pixels: &[Pixel], size: [usize; 2], focus: f32, strength: f64) -> Vec<Vec3> {
     let height = size[1] as f32;
-    let radius = |depth: f32| {
+    let radius = |nearness: f32| {
         // The background is a slow gradient: spread, it would only lose what edges before it share with it.
-        let away = if depth.is_finite() {
-            1.0 - focus / depth
-        } else {
-            0.0
+        let away = match nearness > 0.0 {
+            true => (1.0 - focus * nearness).abs(),
+            false => 0.0,
         };
-        (2.0 * LARGEST_DISC * strength as f32 * away.abs()).min(MAX_RADIUS) * height
+        (2.0 * LARGEST_DISC * strength as f32 * away).min(MAX_RADIUS) * height
     };
-    let radii: Vec<f32> = depths.iter().map(|&d| radius(d)).collect();
-    let reach = Reach::new(&radii, size);
-    let pixel = |x: usize, y: usize| {
-        let own = y * size[0] + x;
-        let reach = reach.at(x, y);
-        if reach == 0 {
-            return pixels[own];
-        }
-        let (mut sum, mut total) = (Vec3::ZERO, 0.0);
-        for b in (y as i64 - reach).max(0)..=(y as i64 + reach).min(size[1] as i64 - 1) {
-            for a in (x as i64 - reach).max(0)..=(x as i64 + reach).min(size[0] as i64 - 1) {
-                let (dx, dy) = (a - x as i64, b - y as i64);
-                let at = b as usize * size[0] + a as usize;
-                // What lies behind is not spread over what is before it.
-                let wide = match depths[at] > depths[own] {
-                    true if depths[at].is_infinite() => radii[own],
-                    true => radii[at].min(radii[own]),
-                    false => radii[at],
-                };
-                let wide = wide.max(0.5);
-                let square = (dx * dx + dy * dy) as f32;
-                if square < (wide + 0.5) * (wide + 0.5) {
-                    let covered = (wide + 0.5 - square.sqrt()).min(1.0);
-                    let weight = covered / (wide * wide);
-                    sum += pixels[at] * weight;
-                    total += weight;
-                }
-            }
-        }
-        sum / total
-    };
-    let pixel = &pixel;
+    let lens = Lens::new(pixels, size, 1.0 / focus, radius);
+    let lens = &lens;
+    let pixel = move |x, y| lens.pixel([x, y]);
     (0..size[1])
         .into_par_iter()
         .flat_map_iter(move |y| (0..size[0]).map(move |x| pixel(x, y)))
         .collect()
 }
 
-/// Side of the blocks of pixels whose largest radius is known, pixels.
-const BLOCK: usize = 16;
-/// Radius up to which a pixel is not spread: it covers its neighbours by less than can be seen.
-const SHARP_RADIUS: f32 = 0.75;
-
-/// How far around a pixel others are spread over it: not far in most of a picture.
-struct Reach {
-    /// Rows and columns of blocks with the largest radius in each or in one from which it may be reached, pixels.
-    largest: Vec<f32>,
-    columns: usize,
+/// What is spread over a disc: a layer of a pixel, or what layers of a cell have in common.
+#[derive(Clone, Copy)]
+struct Spot {
+    layer: Layer,
+    /// Radius of its disc, pixels.
+    radius: f32,
 }
 
-impl Reach {
-    fn new(radii: &[f32], [width, height]: [usize; 2]) -> Reach {
-        let columns = width.div_ceil(BLOCK);
-        let rows = height.div_ceil(BLOCK);
-        let mut own = vec![0.0f32; columns * rows];
-        for (i, &radius) in radii.iter().enumerate() {
-            let block = &mut own[i / width / BLOCK * columns + i % width / BLOCK];
-            *block = block.max(radius);
+impl Spot {
+    const NONE: Spot = Spot {
+        layer: Layer {
+            light: Vec3::ZERO,
+            share: 0.0,
+            nearness: 0.0,
+        },
+        radius: 0.0,
+    };
+
+    fn is_coarse(&self) -> bool {
+        self.radius > COARSE_RADIUS
+    }
+}
+
+/// What may reach into a block of pixels, from it or from around it.
+#[derive(Clone, Copy, Default)]
+struct Reach {
+    /// Largest radius of the discs of pixels, pixels.
+    fine: f32,
+    /// The same of those of cells that lie before the focus: no others are spread over what is nearer.
+    before: f32,
+}
+
+/// A picture while it is spread.
+struct Lens {
+    size: [usize; 2],
+    spots: Vec<[Spot; 2]>,
+    /// Of each cell what of it lies before the focus and what lies behind, where their discs are coarse; the light and the shares
+    /// of pixels are added up.
+    cells: Vec<[Spot; 2]>,
+    cell_columns: usize,
+    reaches: Vec<Reach>,
+    block_columns: usize,
+}
+
+impl Lens {
+    fn new(
+        pixels: &[Pixel],
+        size: [usize; 2],
+        focus_nearness: f32,
+        radius: impl Fn(f32) -> f32 + Sync,
+    ) -> Lens {
+        let spot = |layer: Layer| Spot {
+            layer,
+            radius: radius(layer.nearness),
+        };
+        let spots: Vec<[Spot; 2]> = pixels.par_iter().map(|p| p.0.map(spot)).collect();
+        let [columns, rows] = size;
+        let cell_columns = columns.div_ceil(CELL);
+        let cell = |i: usize| {
+            let (x, y) = (i % cell_columns * CELL, i / cell_columns * CELL);
+            let mut sums = [Spot::NONE; 2];
+            for b in y..(y + CELL).min(rows) {
+                for own in &spots[b * columns + x..b * columns + (x + CELL).min(columns)] {
+                    for spot in own.iter().filter(|s| s.is_coarse()) {
+                        let sum = &mut sums[usize::from(spot.layer.nearness < focus_nearness)];
+                        let share = spot.layer.share;
+                        sum.layer.light += spot.layer.light;
+                        sum.layer.share += share;
+                        sum.layer.nearness += share * spot.layer.nearness;
+                        sum.radius += share * spot.radius;
+                    }
+                }
+            }
+            for sum in sums.iter_mut().filter(|s| s.layer.share > 0.0) {
+                sum.layer.nearness /= sum.layer.share;
+                sum.radius /= sum.layer.share;
+            }
+            sums
+        };
+        let count = cell_columns * rows.div_ceil(CELL);
+        let cells: Vec<[Spot; 2]> = (0..count).into_par_iter().map(cell).collect();
+        let mut lens = Lens {
+            size,
+            spots,
+            cells,
+            cell_columns,
+            reaches: Vec::new(),
+            block_columns: columns.div_ceil(BLOCK),
+        };
+        lens.reaches = lens.reaches_into(&lens.reaches_of_blocks());
+        lens
+    }
+
+    /// What reaches out of each block.
+    fn reaches_of_blocks(&self) -> Vec<Reach> {
+        let [columns, rows] = self.size;
+        let mut blocks = vec![Reach::default(); self.block_columns * rows.div_ceil(BLOCK)];
+        for (i, spots) in self.spots.iter().enumerate() {
+            let block = i / columns / BLOCK * self.block_columns + i % columns / BLOCK;
+            let reach = &mut blocks[block];
+            for spot in spots.iter().filter(|s| s.layer.share > 0.0) {
+                if !spot.is_coarse() {
+                    reach.fine = reach.fine.max(spot.radius);
+                }
+            }
         }
-        let all = own.iter().copied().fold(0.0, f32::max);
-        let blocks = (all.ceil() as usize).div_ceil(BLOCK);
+        for (i, cell) in self.cells.iter().enumerate() {
+            let (x, y) = (i % self.cell_columns * CELL, i / self.cell_columns * CELL);
+            let reach = &mut blocks[y / BLOCK * self.block_columns + x / BLOCK];
+            reach.before = reach.before.max(cell[0].radius);
+        }
+        blocks
+    }
+
+    /// What reaches into each block, from it or from as many around it as the largest disc covers.
+    fn reaches_into(&self, own: &[Reach]) -> Vec<Reach> {
+        let largest = own.iter().map(|r| r.fine.max(r.before)).fold(0.0, f32::max);
+        let blocks = (largest.ceil() as usize + CELL).div_ceil(BLOCK);
+        let (columns, rows) = (self.block_columns, own.len() / self.block_columns);
         let around = |i: usize| {
             let (x, y) = (i % columns, i / columns);
-            let rows = y.saturating_sub(blocks)..=(y + blocks).min(rows - 1);
-            let near = rows.flat_map(|b| {
-                let columns_near = x.saturating_sub(blocks)..=(x + blocks).min(columns - 1);
-                columns_near.map(move |a| b * columns + a)
-            });
-            near.map(|block| own[block]).fold(0.0, f32::max)
+            let mut all = Reach::default();
+            for b in y.saturating_sub(blocks)..=(y + blocks).min(rows - 1) {
+                for a in x.saturating_sub(blocks)..=(x + blocks).min(columns - 1) {
+                    let one = own[b * columns + a];
+                    all.fine = all.fine.max(one.fine);
+                    all.before = all.before.max(one.before);
+                }
+            }
+            all
         };
-        Reach {
-            largest: (0..own.len()).map(around).collect(),
-            columns,
+        (0..own.len()).map(around).collect()
+    }
+
+    /// The radiance of a pixel.
+    fn pixel(&self, at: [usize; 2]) -> Vec3 {
+        let reach = self.reaches[at[1] / BLOCK * self.block_columns + at[0] / BLOCK];
+        let own = &self.spots[at[1] * self.size[0] + at[0]];
+        let widest = own[0].radius.max(own[1].radius);
+        if widest.max(reach.fine).max(reach.before) <= SHARP_RADIUS {
+            return own[0].layer.light + own[1].layer.light;
+        }
+        let seen = own.iter().filter(|s| s.layer.share > 0.0);
+        seen.map(|spot| self.gathered(at, spot, reach) * spot.layer.share)
+            .sum()
+    }
+
+    /// The radiance that a lens shows where a layer of a pixel is.
+    fn gathered(&self, at: [usize; 2], own: &Spot, reach: Reach) -> Vec3 {
+        let mut sum = Gathered {
+            own: *own,
+            before: Vec4::ZERO,
+            behind: Vec4::ZERO,
+        };
+        let [columns, rows] = self.size;
+        if !own.is_coarse() {
+            sum.add(own, 0.0);
+        }
+        if reach.fine > SHARP_RADIUS {
+            let near = (reach.fine + PIXEL_RADIUS).floor() as usize;
+            for y in at[1].saturating_sub(near)..(at[1] + near + 1).min(rows) {
+                for x in at[0].saturating_sub(near)..(at[0] + near + 1).min(columns) {
+                    if [x, y] == at {
+                        continue;
+                    }
+                    let square = (x.abs_diff(at[0]).pow(2) + y.abs_diff(at[1]).pow(2)) as f32;
+                    for spot in &self.spots[y * columns + x] {
+                        if spot.layer.share > 0.0 && !spot.is_coarse() {
+                            sum.add(spot, square);
+                        }
+                    }
+                }
+            }
+        }
+        let behind = match own.radius < BLURRED_RADIUS {
+            true => 0.0,
+            false => own.radius,
+        };
+        let coarse = behind.max(reach.before);
+        if coarse > 0.0 {
+            let near = ((coarse + PIXEL_RADIUS) / CELL as f32).ceil() as usize;
+            let [x, y] = at.map(|k| k / CELL);
+            let last = [self.cell_columns, self.cells.len() / self.cell_columns];
+            for b in y.saturating_sub(near)..(y + near + 1).min(last[1]) {
+                let down = offset(b, at[1]);
+                for a in x.saturating_sub(near)..(x + near + 1).min(last[0]) {
+                    let across = offset(a, at[0]);
+                    let square = across * across + down * down;
+                    for spot in &self.cells[b * self.cell_columns + a] {
+                        if spot.layer.share > 0.0 {
+                            sum.add(spot, square);
+                        }
+                    }
+                }
+            }
+        }
+        sum.radiance()
+    }
+}
+
+/// The distance of the middle of a cell from that of a pixel along one axis, pixels.
+fn offset(cell: usize, pixel: usize) -> f32 {
+    (cell * CELL) as f32 + 0.5 * (CELL as f32 - 1.0) - pixel as f32
+}
+
+/// What is gathered where a layer of a pixel is: light, and the share of the lens that it comes through.
+struct Gathered {
+    own: Spot,
+    /// From what is nearer, and from the rest.
+    before: Vec4,
+    behind: Vec4,
+}
+
+impl Gathered {
+    /// Adds what a spot spreads over a pixel; `square` is that of its distance, pixels.
+    #[inline]
+    fn add(&mut self, spot: &Spot, square: f32) {
+        let is_before = spot.layer.nearness > self.own.layer.nearness;
+        // What lies behind is not spread over what is before it.
+        let wide = match is_before {
+            true => spot.radius,
+            false if spot.is_coarse() && self.own.radius < BLURRED_RADIUS => return,
+            false if spot.layer.nearness == 0.0 => self.own.radius,
+            false => spot.radius.min(self.own.radius),
+        };
+        let wide = wide.max(PIXEL_RADIUS);
+        let reach = wide + PIXEL_RADIUS;
+        if square >= reach * reach {
+            return;
+        }
+        let covered = (reach - square.sqrt()).min(1.0);
+        let weight = covered / (PI * wide * wide).max(1.0);
+        let light = spot.layer.light.extend(spot.layer.share) * weight;
+        match is_before {
+            true => self.before += light,
+            false => self.behind += light,
         }
     }
 
-    /// The distance from which others may be spread over a pixel, pixels; 0 where it stays as it is.
-    fn at(&self, x: usize, y: usize) -> i64 {
-        let largest = self.largest[y / BLOCK * self.columns + x / BLOCK];
-        match largest > SHARP_RADIUS {
-            true => largest.ceil() as i64,
-            false => 0,
+    /// What is nearer, over the rest.
+    fn radiance(&self) -> Vec3 {
+        let behind = match self.behind.w > 0.0 {
+            true => self.behind.truncate() / self.behind.w,
+            false => self.own.layer.light / self.own.layer.share,
+        };
+        let through = self.before.w.max(1.0);
+        behind * (1.0 - self.before.w / through) + self.before.truncate() / through
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: [usize; 2] = [120, 300];
+    const FOCUS: f32 = 1.0;
+    /// Nearness of what is behind the focus.
+    const FAR: f32 = 0.5;
+
+    fn spread_all(pixel: impl Fn(usize, usize) -> Pixel, strength: f64) -> Vec<Vec3> {
+        let pixels: Vec<Pixel> = (0..SIZE[0] * SIZE[1])
+            .map(|i| pixel(i % SIZE[0], i / SIZE[0]))
+            .collect();
+        spread(&pixels, SIZE, FOCUS, strength)
+    }
+
+    #[test]
+    fn an_even_picture_stays_even_whatever_is_in_it() {
+        let even = Vec3::new(0.2, 0.4, 0.6);
+        let nearness = |x: usize, y: usize| match (x / 20 + y / 30) % 4 {
+            0 => 2.0,
+            1 => 1.0,
+            2 => FAR,
+            _ => 0.0,
+        };
+        for strength in [0.1, 0.5, 1.0] {
+            let spread = spread_all(|x, y| Pixel::even(even, nearness(x, y)), strength);
+            assert!(spread.iter().all(|p| p.abs_diff_eq(even, 1e-5)));
         }
+    }
+
+    #[test]
+    fn a_point_out_of_focus_is_a_disc_of_its_light() {
+        // Of pixels, and of cells.
+        for strength in [0.1, 0.18] {
+            let point = [60, 150];
+            let lit = |x: usize, y: usize| [x, y] == point;
+            let pixel = |x, y| Pixel::even(Vec3::splat(if lit(x, y) { 1.0 } else { 0.0 }), FAR);
+            let spread = spread_all(pixel, strength);
+            let radius = f64::from(LARGEST_DISC) * strength * SIZE[1] as f64;
+            let (mut light, mut moment) = (0.0, 0.0);
+            for (i, p) in spread.iter().enumerate() {
+                let off = [i % SIZE[0], i / SIZE[0]].map(|k| k as f64);
+                let square = (off[0] - 60.0).powi(2) + (off[1] - 150.0).powi(2);
+                light += f64::from(p.x);
+                moment += f64::from(p.x) * square;
+            }
+            assert!((light - 1.0).abs() < 0.1, "{strength}: {light}");
+            // That of a disc is half the square of its radius.
+            let found = (2.0 * moment / light).sqrt() / radius;
+            assert!((0.85..1.35).contains(&found), "{strength}: {found}");
+        }
+    }
+
+    #[test]
+    fn a_sharp_edge_before_a_blurred_ground_stays_smooth() {
+        let ground = |x: usize| Vec3::splat(0.2 + 0.2 * (x % 2) as f32);
+        let layer = |light: Vec3, share: f32, nearness: f32| Layer {
+            light: light * share,
+            share,
+            nearness,
+        };
+        let pixel = |x: usize, _| match x {
+            0..80 => Pixel::even(Vec3::ONE, 1.0),
+            80 => Pixel([layer(Vec3::ONE, 0.5, 1.0), layer(ground(x), 0.5, FAR)]),
+            _ => Pixel::even(ground(x), FAR),
+        };
+        let spread = spread_all(pixel, 0.2);
+        let row: Vec<f32> = (70..90).map(|x| spread[150 * SIZE[0] + x].x).collect();
+        assert!(row[..10].iter().all(|v| *v == 1.0), "{row:?}");
+        assert!((row[10] - 0.65).abs() < 0.03, "{row:?}");
+        assert!(row[11..].iter().all(|v| (v - 0.3).abs() < 0.05), "{row:?}");
+    }
+
+    /// What is blurred a little less than cells are has no sharp edge before what is blurred as they are.
+    #[test]
+    fn edges_between_pixels_and_cells_are_blurred() {
+        let nearness = |radius: f32| 1.0 - radius / (0.2 * 0.3 * SIZE[1] as f32);
+        for radius in [2.0, 3.0, 3.9, 4.1, 5.0] {
+            let pixel = |x: usize, _| match x {
+                0..60 => Pixel::even(Vec3::ONE, nearness(radius)),
+                _ => Pixel::even(Vec3::ZERO, nearness(5.5)),
+            };
+            let spread = spread_all(pixel, 0.3);
+            let row: Vec<f32> = (40..80).map(|x| spread[150 * SIZE[0] + x].x).collect();
+            let steepest = row.windows(2).map(|w| w[0] - w[1]).fold(0.0, f32::max);
+            assert!(steepest < 1.0 / radius, "{radius}: {row:?}");
+            assert!(row.is_sorted_by(|a, b| *a > b - 0.02), "{radius}: {row:?}");
+        }
+    }
+
+    #[test]
+    fn what_is_before_the_focus_is_spread_over_what_is_sharp() {
+        let pixel = |x: usize, _| match x {
+            0..80 => Pixel::even(Vec3::ONE, 2.0),
+            _ => Pixel::even(Vec3::ZERO, 1.0),
+        };
+        let spread = spread_all(pixel, 0.1);
+        let at = |x: usize| spread[150 * SIZE[0] + x].x;
+        // Half of it is seen at its edge.
+        assert!((0.35..0.65).contains(&at(80)), "{}", at(80));
+        assert!(at(81) < at(80) && at(88) == 0.0 && at(70) == 1.0);
     }
 }

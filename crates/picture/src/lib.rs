@@ -16,6 +16,7 @@ mod focus;
 mod grain;
 mod ground;
 mod item;
+mod layers;
 mod lens;
 mod light;
 mod lighting;

@@ -5,9 +5,10 @@ use crate::camera::{Camera, CameraPlacement, Sphere, View};
 use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
-use crate::focus::spread;
+use crate::focus::{Distances, depth_of_field, spread};
 use crate::ground::{FallenLeaves, Ground, ShownGround};
 use crate::item::Item;
+use crate::layers::Pixel;
 use crate::lens::soften;
 use crate::light::Studio;
 use crate::picture::{Film, Picture};
@@ -100,12 +101,14 @@ const SAMPLES_PER_LIGHT_RAY: u32 = 8;
 /// How many times wider and higher than it is rendered a draft is, and its most camera rays per pixel.
 const DRAFT_SCALE: u32 = 2;
 const DRAFT_SAMPLES: u32 = 4;
-/// Depth of field on a ground that is shown: the wood stays sharp, and what lies far behind it does not.
-const GROUND_DEPTH_OF_FIELD: f64 = 0.075;
+/// Diameter of the lens (m) where a ground is shown: that of 85 mm at f/3.5. Near a branch what lies behind the focus is blurred; a
+/// trunk is seen from farther off. What it blurs at most, as a depth of field: all of what is broken is to be seen.
+const GROUND_LENS: f64 = 0.024;
+const GROUND_DEPTH_OF_FIELD: f64 = 0.25;
 /// Grain on a ground that is shown: that of a good camera in a workshop.
 const GROUND_GRAIN: f64 = 0.25;
 /// Softness of the lens on a ground that is shown: that of a good one.
-const GROUND_SOFTNESS: f64 = 0.5;
+const GROUND_SOFTNESS: f64 = 0.2;
 /// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.
 const PROGRESS: [f64; 4] = [0.0, 0.3, 0.6, 0.7];
 
@@ -218,7 +221,11 @@ pub fn render(
         false => Film::Even,
     };
     let on_ground = |usual: f64| if is_ground_shown { usual } else { 0.0 };
-    let depth_of_field = (options.depth_of_field).unwrap_or(on_ground(GROUND_DEPTH_OF_FIELD));
+    let depth_of_field = match options.depth_of_field {
+        Some(given) => Blur::Given(given),
+        None if is_ground_shown => Blur::Lens(GROUND_LENS),
+        None => Blur::Given(0.0),
+    };
     let grain = options.film_grain.unwrap_or(on_ground(GROUND_GRAIN));
     let softness = (options.lens_softness).unwrap_or(on_ground(GROUND_SOFTNESS));
     let frame = Frame {
@@ -247,12 +254,17 @@ fn aimed(
     }
 }
 
-/// Finds the radiance of all pixels of a frame, blurred out of focus by a depth of field of 0 to 1.
-fn radiance(
-    frame: &Frame,
-    depth_of_field: f64,
-    context: &Context,
-) -> Result<Vec<Vec3>, PictureError> {
+/// How much is blurred that is out of focus.
+#[derive(Clone, Copy, PartialEq)]
+enum Blur {
+    /// A depth of field, 0 to 1.
+    Given(f64),
+    /// As by a lens of a diameter, m.
+    Lens(f64),
+}
+
+/// Finds the radiance of all pixels of a frame, blurred out of focus.
+fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, PictureError> {
     let rows = |step: usize| Rows {
         columns: frame.size[0],
         rows: frame.size[1],
@@ -285,19 +297,29 @@ fn radiance(
     let centres: Vec<Vec3> = (seen.par_iter().zip(&light))
         .map(|(seen, light)| seen.radiance(frame.studio, light))
         .collect();
+    let distances = Distances::new(frame.camera, frame.scene.bounds.centre);
+    let focus = match blur {
+        Blur::Given(0.0) => None,
+        _ => distances.focus(&places),
+    };
     let resolved = Resolve {
         frame,
         neighbours,
         light: &light,
         centres: &centres,
+        distances: focus.is_some().then_some(&distances),
     };
-    let radiance = rows(3).fill(|x, y| resolved.pixel(x, y))?;
-    if depth_of_field > 0.0 {
-        let seen = (&places[..], frame.scene.bounds.centre);
-        let (size, camera) = (frame.size, frame.camera);
-        return Ok(spread(&radiance, size, seen, camera, depth_of_field));
-    }
-    Ok(radiance)
+    let pixels = rows(3).fill(|x, y| resolved.pixel(x, y))?;
+    let Some(focus) = focus else {
+        return Ok(pixels.par_iter().map(Pixel::radiance).collect());
+    };
+    let strength = match blur {
+        Blur::Given(given) => given,
+        Blur::Lens(diameter) => {
+            depth_of_field(diameter, focus, frame.camera).min(GROUND_DEPTH_OF_FIELD)
+        }
+    };
+    Ok(spread(&pixels, frame.size, focus, strength))
 }
 
 /// Enlarges the pixels of a picture to another size, linearly between their middles.

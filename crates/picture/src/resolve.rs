@@ -3,6 +3,8 @@
 
 use crate::camera::Camera;
 use crate::denoise::{Neighbours, likeness};
+use crate::focus::Distances;
+use crate::layers::Pixel;
 use crate::light::{Light, Studio, luminance};
 use crate::sampling::{Purpose, Sampler};
 use crate::scene::Scene;
@@ -121,24 +123,28 @@ pub(crate) struct Resolve<'a> {
     pub light: &'a [Light],
     /// The radiance of that.
     pub centres: &'a [Vec3],
+    /// Distances by which pixels are taken apart, where that is asked for.
+    pub distances: Option<&'a Distances>,
 }
 
 impl Resolve<'_> {
-    /// The radiance of a pixel.
-    pub fn pixel(&self, x: usize, y: usize) -> Vec3 {
+    /// What becomes of a pixel.
+    pub fn pixel(&self, x: usize, y: usize) -> Pixel {
         let at = [x, y];
         let centre = y * self.frame.size[0] + x;
         let samples = self.frame.samples;
         let all = samples >= RAYS_FOR_ALL;
+        let even = |radiance| Pixel::even(radiance, self.nearness(&self.neighbours.places[centre]));
         if samples == 1 {
-            return self.centres[centre];
+            return even(self.centres[centre]);
         }
         if !(all || self.is_detailed(at)) {
-            return self.mean_around(at);
+            return even(self.mean_around(at));
         }
         let sampler = Sampler::new(at, samples.next_power_of_two());
         // What rays have seen in this pixel and what they may see again.
         let mut known = Vec::with_capacity(samples.min(RAYS_FOR_ALL) as usize);
+        let mut rays = Vec::with_capacity(samples as usize);
         let (mut sum, mut low, mut high) = (Vec3::ZERO, f32::INFINITY, 0.0f32);
         let (mut count, mut squares) = (0, 0.0);
         while count < samples {
@@ -151,6 +157,7 @@ impl Resolve<'_> {
             }
             let light = self.light_of(at, [dx, dy], &seen, &sampler, count);
             let radiance = seen.radiance(self.frame.studio, &light);
+            rays.push((radiance, self.nearness(&seen.place)));
             let brightness = luminance(radiance);
             (low, high) = (low.min(brightness), high.max(brightness));
             sum += radiance;
@@ -164,7 +171,12 @@ impl Resolve<'_> {
                 break;
             }
         }
-        sum / count as f32
+        Pixel::of_rays(&rays)
+    }
+
+    /// One over the distance of a place, 1/m; the same for all where none is asked for.
+    fn nearness(&self, place: &Place) -> f32 {
+        self.distances.map_or(0.0, |d| d.nearness(place))
     }
 
     /// The mean of what is seen at the middles of a pixel and its neighbours, weighted by the pixel filter.
