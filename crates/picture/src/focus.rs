@@ -15,8 +15,10 @@ use std::f32::consts::PI;
 const LARGEST_DISC: f32 = 0.10;
 /// Largest radius of a disc, in heights of the picture.
 const MAX_RADIUS: f32 = 0.02;
-/// Share of what the picture shows that lies before the focus: it is on the near parts of the wood.
+/// Share of what the picture shows in its middle that lies before the focus: it is on the near parts of the wood there. How far the
+/// middle reaches, in heights of the picture.
 const FOCUS_QUANTILE: f64 = 0.3;
+const FOCUS_REACH: f32 = 0.3;
 /// Radius up to which a disc is that of a pixel, and up to which a pixel stays as it is, pixels.
 const PIXEL_RADIUS: f32 = 0.5;
 const SHARP_RADIUS: f32 = 0.75;
@@ -51,10 +53,21 @@ impl Distances {
         }
     }
 
-    /// The distance (m) on which a camera focuses that sees these places; `None` where all of them are ground.
-    pub fn focus(&self, places: &[Place]) -> Option<f32> {
-        let items = places.iter().filter(|p| matches!(p.met, Met::Item(_)));
-        let mut items: Vec<f32> = items.map(|p| 1.0 / self.nearness(p)).collect();
+    /// The distance (m) on which a camera focuses that sees these places, in rows; `None` where all of them are ground.
+    pub fn focus(&self, places: &[Place], size: [usize; 2]) -> Option<f32> {
+        let is_item = |i: &usize| matches!(places[*i].met, Met::Item(_));
+        let is_in_middle = |i: &usize| {
+            let off = [i % size[0], i / size[0]];
+            let off = [0, 1].map(|k| off[k] as f32 - 0.5 * size[k] as f32);
+            off[0].hypot(off[1]) < FOCUS_REACH * size[1] as f32
+        };
+        let all: Vec<usize> = (0..places.len()).filter(is_item).collect();
+        let mut middle: Vec<usize> = all.iter().copied().filter(is_in_middle).collect();
+        if middle.is_empty() {
+            middle = all;
+        }
+        let distance = |i: &usize| 1.0 / self.nearness(&places[*i]);
+        let mut items: Vec<f32> = middle.iter().map(distance).collect();
         if items.is_empty() {
             return None;
         }

@@ -300,7 +300,7 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
     let distances = Distances::new(frame.camera, frame.scene.bounds.centre);
     let focus = match blur {
         Blur::Given(0.0) => None,
-        _ => distances.focus(&places),
+        _ => distances.focus(&places, frame.size),
     };
     let resolved = Resolve {
         frame,

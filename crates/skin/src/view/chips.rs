@@ -7,7 +7,7 @@ use greenstick_wood::noise::{hash, unit};
 use std::f64::consts::TAU;
 
 /// Chips about each piece, and between two pieces, where most of them fall.
-const COUNT: i64 = 160;
+const COUNT: i64 = 110;
 const COUNT_BETWEEN: i64 = 1500;
 /// Least length and what the longest has more, m, on a stem of the reference radius, of slivers, of crumbs, and of flakes of bark; most are
 /// short.
@@ -40,7 +40,7 @@ const LEAST_WIDTH: f64 = 0.22e-3;
 const DISTANCES: (f64, f64) = (1.02, 2.6);
 /// How far chips between the pieces lie from the middle between them at most, and from the middle of each at least, in widths of the
 /// section.
-const REACH_BETWEEN: f64 = 2.4;
+const REACH_BETWEEN: f64 = 2.3;
 const CLEAR_OF_PIECES: f64 = 0.52;
 /// Heaps that chips lie in, how far they spread about those, rad, and the share of chips that lie anywhere.
 const HEAPS: f64 = 5.0;
@@ -48,11 +48,12 @@ const HEAP_SPREAD: f64 = 0.9;
 const SCATTERED: f64 = 0.35;
 /// Share of the chips between pieces that lie in heaps, how many those are, and how far they spread, widths of the section: what is torn
 /// out together falls together.
-const HEAPED: f64 = 0.62;
+const HEAPED: f64 = 0.7;
 const HEAPS_BETWEEN: f64 = 7.0;
-const HEAP_RADIUS: f64 = 0.55;
-/// Share of chips that are crumbs rather than slivers, and of those that are bark.
+const HEAP_RADIUS: f64 = 0.45;
+/// Share of chips that are crumbs rather than slivers, in heaps and elsewhere, and of those that are bark: what lies by itself is small.
 const CRUMBS: f64 = 0.8;
+const CRUMBS_ALONE: f64 = 0.93;
 const BARK: f64 = 0.05;
 /// How much of the length a chip is bowed up at its ends.
 const BOW: f64 = 0.08;
@@ -99,9 +100,14 @@ impl BreakView<'_> {
     }
 }
 
+/// Whether a chip about a piece lies anywhere, in no heap.
+fn is_scattered(random: &impl Fn(i64) -> f64) -> bool {
+    random(21) < SCATTERED
+}
+
 /// Draws the angle (rad) at which a chip lies about a piece.
 fn side(seed: u64, random: &impl Fn(i64) -> f64) -> f64 {
-    if random(21) < SCATTERED {
+    if is_scattered(random) {
         return TAU * random(1);
     }
     let heap = (HEAPS * random(1)).floor();
@@ -161,7 +167,8 @@ impl Fallen<'_> {
                     middles[piece] + self.direction(side(seed, &random)) * (0.5 * width * distance);
                 let other = middles[1 - piece];
                 if !opened || place.distance(other) > 0.5 * width * least {
-                    self.add(place, random);
+                    let is_alone = is_scattered(&random);
+                    self.add(place, is_alone, random);
                 }
             }
         }
@@ -173,7 +180,8 @@ impl Fallen<'_> {
         for number in 0..COUNT_BETWEEN {
             let seed = self.seed;
             let random = |k: i64| unit(seed, BETWEEN, number, k);
-            let place = if random(29) < HEAPED {
+            let is_alone = random(29) >= HEAPED;
+            let place = if !is_alone {
                 let heap = (HEAPS_BETWEEN * random(30)) as i64;
                 let of_heap = |k: i64| unit(seed, heap, -2, k);
                 let off = 0.5 * REACH_BETWEEN * width * of_heap(0).sqrt();
@@ -188,18 +196,19 @@ impl Fallen<'_> {
             };
             let clear = CLEAR_OF_PIECES * width;
             if middles.iter().all(|m| place.distance(*m) > clear) {
-                self.add(place, random);
+                self.add(place, is_alone, random);
             }
         }
     }
 
-    /// Adds a chip at a place of the floor.
-    fn add(&mut self, place: DVec3, random: impl Fn(i64) -> f64) {
+    /// Adds a chip at a place of the floor, in a heap or by itself.
+    fn add(&mut self, place: DVec3, is_alone: bool, random: impl Fn(i64) -> f64) {
         let radius = self.view.stem.radius;
         let size = (radius / REFERENCE_RADIUS).sqrt();
         let size = size.clamp(SIZE_RANGE.0, SIZE_RANGE.1);
         let is_bark = self.view.stem.kind.has_bark() && random(25) < BARK;
-        let (lengths, widths) = match random(24) < CRUMBS {
+        let crumbs = if is_alone { CRUMBS_ALONE } else { CRUMBS };
+        let (lengths, widths) = match random(24) < crumbs {
             _ if is_bark => (FLAKE_LENGTHS, FLAKE_WIDTHS),
             true => (CRUMB_LENGTHS, CRUMB_WIDTHS),
             false => (SLIVER_LENGTHS, SLIVER_WIDTHS),
