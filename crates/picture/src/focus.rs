@@ -84,24 +84,35 @@ pub(crate) fn depth_of_field(diameter: f64, focus: f32, camera: &Camera) -> f64 
     disc / (2.0 * f64::from(LARGEST_DISC))
 }
 
-/// Spreads the pixels of a picture; `strength` is 0 to 1, `focus` the distance (m) of what stays sharp.
-pub(crate) fn spread(pixels: &[Pixel], size: [usize; 2], focus: f32, strength: f64) -> Vec<Vec3> {
-    let height = size[1] as f32;
-    let radius = |nearness: f32| {
+/// A lens that is focused on a distance.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Lens {
+    /// The distance of what stays sharp, m.
+    pub focus: f32,
+    /// The depth of field, 0 to 1.
+    pub strength: f64,
+}
+
+impl Lens {
+    /// The radius of the disc over which what has a nearness is spread in a picture of a height, both in pixels.
+    pub fn radius(&self, nearness: f32, height: usize) -> f32 {
         // The background is a slow gradient: spread, it would only lose what edges before it share with it.
         let away = match nearness > 0.0 {
-            true => (1.0 - focus * nearness).abs(),
+            true => (1.0 - self.focus * nearness).abs(),
             false => 0.0,
         };
-        (2.0 * LARGEST_DISC * strength as f32 * away).min(MAX_RADIUS) * height
-    };
-    let lens = Lens::new(pixels, size, 1.0 / focus, radius);
-    let lens = &lens;
-    let pixel = move |x, y| lens.pixel([x, y]);
-    (0..size[1])
-        .into_par_iter()
-        .flat_map_iter(move |y| (0..size[0]).map(move |x| pixel(x, y)))
-        .collect()
+        (2.0 * LARGEST_DISC * self.strength as f32 * away).min(MAX_RADIUS) * height as f32
+    }
+
+    /// Spreads the pixels of a picture.
+    pub fn spread(&self, pixels: &[Pixel], size: [usize; 2]) -> Vec<Vec3> {
+        let spreading = &Spreading::new(pixels, size, self);
+        let pixel = move |x, y| spreading.pixel([x, y]);
+        (0..size[1])
+            .into_par_iter()
+            .flat_map_iter(move |y| (0..size[0]).map(move |x| pixel(x, y)))
+            .collect()
+    }
 }
 
 /// What is spread over a disc: a layer of a pixel, or what layers of a cell have in common.
@@ -137,7 +148,7 @@ struct Reach {
 }
 
 /// A picture while it is spread.
-struct Lens {
+struct Spreading {
     size: [usize; 2],
     spots: Vec<[Spot; 2]>,
     /// Of each cell what of it lies before the focus and what lies behind, where their discs are coarse; the light and the shares
@@ -148,16 +159,12 @@ struct Lens {
     block_columns: usize,
 }
 
-impl Lens {
-    fn new(
-        pixels: &[Pixel],
-        size: [usize; 2],
-        focus_nearness: f32,
-        radius: impl Fn(f32) -> f32 + Sync,
-    ) -> Lens {
+impl Spreading {
+    fn new(pixels: &[Pixel], size: [usize; 2], lens: &Lens) -> Self {
+        let focus_nearness = 1.0 / lens.focus;
         let spot = |layer: Layer| Spot {
             layer,
-            radius: radius(layer.nearness),
+            radius: lens.radius(layer.nearness, size[1]),
         };
         let spots: Vec<[Spot; 2]> = pixels.par_iter().map(|p| p.0.map(spot)).collect();
         let [columns, rows] = size;
@@ -185,7 +192,7 @@ impl Lens {
         };
         let count = cell_columns * rows.div_ceil(CELL);
         let cells: Vec<[Spot; 2]> = (0..count).into_par_iter().map(cell).collect();
-        let mut lens = Lens {
+        let mut spreading = Spreading {
             size,
             spots,
             cells,
@@ -193,8 +200,8 @@ impl Lens {
             reaches: Vec::new(),
             block_columns: columns.div_ceil(BLOCK),
         };
-        lens.reaches = lens.reaches_into(&lens.reaches_of_blocks());
-        lens
+        spreading.reaches = spreading.reaches_into(&spreading.reaches_of_blocks());
+        spreading
     }
 
     /// What reaches out of each block.
@@ -367,7 +374,11 @@ mod tests {
         let pixels: Vec<Pixel> = (0..SIZE[0] * SIZE[1])
             .map(|i| pixel(i % SIZE[0], i / SIZE[0]))
             .collect();
-        spread(&pixels, SIZE, FOCUS, strength)
+        let lens = Lens {
+            focus: FOCUS,
+            strength,
+        };
+        lens.spread(&pixels, SIZE)
     }
 
     #[test]

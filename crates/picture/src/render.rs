@@ -5,7 +5,7 @@ use crate::camera::{Camera, CameraPlacement, Sphere, View};
 use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
-use crate::focus::{Distances, depth_of_field, spread};
+use crate::focus::{Distances, Lens, depth_of_field};
 use crate::ground::{FallenLeaves, Ground, ShownGround};
 use crate::item::Item;
 use crate::layers::Pixel;
@@ -108,7 +108,7 @@ const GROUND_DEPTH_OF_FIELD: f64 = 0.25;
 /// Grain on a ground that is shown: that of a good camera in a workshop.
 const GROUND_GRAIN: f64 = 0.25;
 /// Softness of the lens on a ground that is shown: that of a good one.
-const GROUND_SOFTNESS: f64 = 0.2;
+const GROUND_SOFTNESS: f64 = 0.3;
 /// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.
 const PROGRESS: [f64; 4] = [0.0, 0.3, 0.6, 0.7];
 
@@ -302,24 +302,27 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
         Blur::Given(0.0) => None,
         _ => distances.focus(&places, frame.size),
     };
+    let lens = focus.map(|focus| Lens {
+        focus,
+        strength: match blur {
+            Blur::Given(given) => given,
+            Blur::Lens(diameter) => {
+                depth_of_field(diameter, focus, frame.camera).min(GROUND_DEPTH_OF_FIELD)
+            }
+        },
+    });
     let resolved = Resolve {
         frame,
         neighbours,
         light: &light,
         centres: &centres,
-        distances: focus.is_some().then_some(&distances),
+        lens: lens.map(|lens| (lens, &distances)),
     };
     let pixels = rows(3).fill(|x, y| resolved.pixel(x, y))?;
-    let Some(focus) = focus else {
-        return Ok(pixels.par_iter().map(Pixel::radiance).collect());
-    };
-    let strength = match blur {
-        Blur::Given(given) => given,
-        Blur::Lens(diameter) => {
-            depth_of_field(diameter, focus, frame.camera).min(GROUND_DEPTH_OF_FIELD)
-        }
-    };
-    Ok(spread(&pixels, frame.size, focus, strength))
+    Ok(match lens {
+        Some(lens) => lens.spread(&pixels, frame.size),
+        None => pixels.par_iter().map(Pixel::radiance).collect(),
+    })
 }
 
 /// Enlarges the pixels of a picture to another size, linearly between their middles.

@@ -3,7 +3,7 @@
 
 use crate::camera::Camera;
 use crate::denoise::{Neighbours, likeness};
-use crate::focus::Distances;
+use crate::focus::{Distances, Lens};
 use crate::layers::Pixel;
 use crate::light::{Light, Studio, luminance};
 use crate::sampling::{Purpose, Sampler};
@@ -33,6 +33,8 @@ const FIRST_RAYS: u32 = 4;
 const MEAN_ERROR: f32 = 0.3;
 /// Rays per pixel from which on every pixel takes all of them.
 const RAYS_FOR_ALL: u32 = 64;
+/// Radius of the disc of an unsharp pixel from which on one ray stands for it, pixels.
+const BLURRED_RADIUS: f32 = 2.5;
 /// Likeness of places around that together suffice to light a place.
 const MIN_LIKENESS: f32 = 0.05;
 /// Luminance that is added to both where contrast is measured: darkness hides it.
@@ -123,8 +125,8 @@ pub(crate) struct Resolve<'a> {
     pub light: &'a [Light],
     /// The radiance of that.
     pub centres: &'a [Vec3],
-    /// Distances by which pixels are taken apart, where that is asked for.
-    pub distances: Option<&'a Distances>,
+    /// The lens that blurs what is out of focus, and how far off things are.
+    pub lens: Option<(Lens, &'a Distances)>,
 }
 
 impl Resolve<'_> {
@@ -136,6 +138,9 @@ impl Resolve<'_> {
         let all = samples >= RAYS_FOR_ALL;
         let even = |radiance| Pixel::even(radiance, self.nearness(&self.neighbours.places[centre]));
         if samples == 1 {
+            return even(self.centres[centre]);
+        }
+        if !all && self.is_blurred(at) {
             return even(self.centres[centre]);
         }
         if !(all || self.is_detailed(at)) {
@@ -176,7 +181,22 @@ impl Resolve<'_> {
 
     /// One over the distance of a place, 1/m; the same for all where none is asked for.
     fn nearness(&self, place: &Place) -> f32 {
-        self.distances.map_or(0.0, |d| d.nearness(place))
+        (self.lens).map_or(0.0, |(_, distances)| distances.nearness(place))
+    }
+
+    /// Whether a pixel and those around it will be spread so far that one ray stands for it.
+    fn is_blurred(&self, at: [usize; 2]) -> bool {
+        let Some((lens, distances)) = self.lens else {
+            return false;
+        };
+        let [width, height] = self.frame.size;
+        let columns = at[0].saturating_sub(1)..(at[0] + 2).min(width);
+        (at[1].saturating_sub(1)..(at[1] + 2).min(height)).all(|y| {
+            columns.clone().all(|x| {
+                let place = &self.neighbours.places[y * width + x];
+                lens.radius(distances.nearness(place), height) > BLURRED_RADIUS
+            })
+        })
     }
 
     /// The mean of what is seen at the middles of a pixel and its neighbours, weighted by the pixel filter.
