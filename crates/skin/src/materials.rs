@@ -13,7 +13,7 @@ use greenstick_wood::appearance::StemAppearance;
 use greenstick_wood::branch::{BARK_MATERIAL_NAME, bark_material};
 use greenstick_wood::stem::{Stem, StemKind};
 use outside::dress_outside;
-use textured::{CLAMPED, REPEATING, textured};
+use textured::{CLAMPED, textured};
 
 /// Name of the material of the wood inside.
 const INNER_WOOD_NAME: &str = "inner_wood";
@@ -133,7 +133,7 @@ pub(crate) fn bake_bark(
 /// Adds a material of bark with its textures, which repeat with every turn and circumference.
 #[cfg(feature = "rods")]
 pub(crate) fn add_bark(scene: &mut Scene, baked: &WoodTextures) {
-    let material = textured(scene, BARK_MATERIAL_NAME, baked, REPEATING, None);
+    let material = outside::repeating(scene, BARK_MATERIAL_NAME, baked);
     scene.materials.push(material);
 }
 

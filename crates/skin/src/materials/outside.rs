@@ -4,7 +4,7 @@ use super::textured::{REPEATING, textured};
 use crate::prepared::PreparedStem;
 use crate::texture::{PlanedFaces, WoodTextures};
 use glam::{DVec2, DVec3};
-use greenstick_geometry::{Attribute, Mesh, Scene};
+use greenstick_geometry::{Attribute, Material, Mesh, Scene};
 use greenstick_wood::appearance::faces_pith;
 use greenstick_wood::stem::StemKind;
 use rustc_hash::FxHashMap;
@@ -36,7 +36,7 @@ pub(super) fn dress_outside(
         StemKind::Board | StemKind::Dowel => PLANED_NAME.into(),
         StemKind::Pole => WEATHERED_NAME.into(),
     };
-    scene.materials[bark as usize] = textured(scene, &name, outside, REPEATING, None);
+    scene.materials[bark as usize] = repeating(scene, &name, outside);
     let sawn = scene.materials.len() as u32;
     let mut ends = scene.materials[sawn as usize - 1].clone();
     ends.name = SAWN_NAME.into();
@@ -55,6 +55,11 @@ pub(super) fn dress_outside(
     if has_ends {
         scene.materials.push(ends);
     }
+}
+
+/// A material of the outside, whose textures repeat along the stem and about it.
+pub(super) fn repeating(scene: &mut Scene, name: &str, baked: &WoodTextures) -> Material {
+    textured(scene, name, baked, REPEATING, None)
 }
 
 /// Returns what a triangle on the limb shows, `None` off it.
