@@ -364,6 +364,7 @@ impl Gathered {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::View;
 
     const SIZE: [usize; 2] = [120, 300];
     const FOCUS: f32 = 1.0;
@@ -379,6 +380,18 @@ mod tests {
             strength,
         };
         lens.spread(&pixels, SIZE)
+    }
+
+    #[test]
+    fn a_lens_blurs_large_things_less() {
+        let depth = |size: f64| {
+            let points = [DVec3::ZERO, DVec3::splat(size)];
+            let camera = Camera::new(&points, View::Automatic, None, DVec3::Y, [120, 90]).unwrap();
+            let focus = camera.origin.distance(0.5 * points[1]) as f32;
+            depth_of_field(0.024, focus, &camera)
+        };
+        assert!((depth(0.1) / depth(1.0) - 10.0).abs() < 1e-4);
+        assert!((0.01..1.0).contains(&depth(0.3)), "{}", depth(0.3));
     }
 
     #[test]

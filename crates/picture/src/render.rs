@@ -104,7 +104,7 @@ const DRAFT_SAMPLES: u32 = 4;
 /// Diameter of the lens (m) where a ground is shown: that of 85 mm at f/3.5. Near a branch what lies behind the focus is blurred; a
 /// trunk is seen from farther off. What it blurs at most, as a depth of field: all of what is broken is to be seen.
 const GROUND_LENS: f64 = 0.024;
-const GROUND_DEPTH_OF_FIELD: f64 = 0.25;
+const GROUND_DEPTH_OF_FIELD: f64 = 0.18;
 /// Grain on a ground that is shown: that of a good camera in a workshop.
 const GROUND_GRAIN: f64 = 0.25;
 /// Softness of the lens on a ground that is shown: that of a good one.

@@ -592,7 +592,7 @@ fn wood_at(across: vec2<f32>, along: f32, end0: f32, facing: vec2<f32>, footprin
         let depth = (1.0 - 0.2 * peeled) * (wavy - wood.edges.w) / inner;
         let living = 1.0 - smoothstep(0.0, 1.1, depth + 0.45 * bundles.tone);
         let pale = mix(wood.phloem.rgb, wood.sapwood.rgb * vec3<f32>(0.92, 0.90, 0.80), 0.45);
-        let bast = mix(wood.phloem.rgb * vec3<f32>(0.74, 0.66, 0.58) * (1.0 + 0.38 * bundles.tone), pale, living);
+        let bast = mix(wood.phloem.rgb * vec3<f32>(0.70, 0.61, 0.51) * (1.0 + 0.38 * bundles.tone), pale, living);
         color = tissue(color, bast, 0.20 * speck, streaks.shade, end, in_phloem);
         let in_cork = smoothstep(wood.rings.x - soft, wood.rings.x + soft, outer) * (1.0 - peeled);
         color = tissue(color, wood.cork.rgb, 0.42 * speck, streaks.shade, end, in_cork);

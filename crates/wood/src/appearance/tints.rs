@@ -34,7 +34,7 @@ const TORN_LAYERS: f64 = 0.45;
 /// differ.
 const LIVING_SHARE: f64 = 0.45;
 const LIVING_TINT: DVec3 = DVec3::new(0.92, 0.90, 0.80);
-const DEAD_TINT: DVec3 = DVec3::new(0.74, 0.66, 0.58);
+const DEAD_TINT: DVec3 = DVec3::new(0.70, 0.61, 0.51);
 const BAST_TONES: f64 = 0.38;
 
 /// Part of the outer bark that is drawn as inner bark, too: what its furrows part begins farther out.

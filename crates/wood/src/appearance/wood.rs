@@ -120,7 +120,7 @@ impl WoodAppearance {
             heartwood_color: srgb([214, 177, 135]),
             pith_color: srgb([112, 74, 44]),
             phloem_color: srgb([152, 122, 94]),
-            cork_color: srgb([126, 100, 78]),
+            cork_color: srgb([118, 93, 72]),
             bark_color: None,
             bark_kind: None,
             latewood_contrast: 0.95,
