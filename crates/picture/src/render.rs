@@ -221,11 +221,6 @@ pub fn render(
         false => Film::Even,
     };
     let on_ground = |usual: f64| if is_ground_shown { usual } else { 0.0 };
-    let depth_of_field = match options.depth_of_field {
-        Some(given) => Blur::Given(given),
-        None if is_ground_shown => Blur::Lens(GROUND_LENS),
-        None => Blur::Given(0.0),
-    };
     let grain = options.film_grain.unwrap_or(on_ground(GROUND_GRAIN));
     let softness = (options.lens_softness).unwrap_or(on_ground(GROUND_SOFTNESS));
     let frame = Frame {
@@ -236,7 +231,7 @@ pub fn render(
         samples,
         rays: samples.div_ceil(SAMPLES_PER_LIGHT_RAY),
     };
-    let radiance = radiance(&frame, depth_of_field, context)?;
+    let radiance = radiance(&frame, Blur::of(options, is_ground_shown), context)?;
     let radiance = enlarge(radiance, rendered, size);
     let radiance = soften(radiance, size.map(|n| n as usize), softness);
     Ok(Picture::from_radiance(size, &radiance, film, grain))
@@ -261,6 +256,16 @@ enum Blur {
     Given(f64),
     /// As by a lens of a diameter, m.
     Lens(f64),
+}
+
+impl Blur {
+    fn of(options: &PictureOptions, is_ground_shown: bool) -> Self {
+        match options.depth_of_field {
+            Some(given) => Blur::Given(given),
+            None if is_ground_shown => Blur::Lens(GROUND_LENS),
+            None => Blur::Given(0.0),
+        }
+    }
 }
 
 /// Finds the radiance of all pixels of a frame, blurred out of focus.
