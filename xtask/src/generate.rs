@@ -46,24 +46,30 @@ pub fn generate(root: &Path, check: bool) -> Result<Vec<String>, String> {
     Ok(faults)
 }
 
-/// Returns what `greenstick ARGUMENTS` prints.
+/// Returns what `greenstick ARGUMENTS` prints: the program that `GREENSTICK_PROGRAM` names, or that of the workspace, which is built.
 fn printed(root: &Path, wanted: &[&str]) -> Result<String, String> {
     let command = wanted.join(" ");
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    let arguments = [
-        "run",
-        "--quiet",
-        "--release",
-        "--package",
-        "greenstick-cli",
-        "--",
-    ];
-    let output = Command::new(cargo)
-        .args(arguments)
+    let mut program = match std::env::var_os("GREENSTICK_PROGRAM") {
+        Some(program) => Command::new(program),
+        None => {
+            let mut cargo =
+                Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+            cargo.args([
+                "run",
+                "--quiet",
+                "--release",
+                "--package",
+                "greenstick-cli",
+                "--",
+            ]);
+            cargo
+        }
+    };
+    let output = program
         .args(wanted)
         .current_dir(root)
         .output()
-        .map_err(|e| format!("cargo run did not start: {e}"))?;
+        .map_err(|e| format!("greenstick {command} did not start: {e}"))?;
     let errors = String::from_utf8_lossy(&output.stderr);
     if !output.status.success() {
         return Err(format!("greenstick {command} failed: {errors}"));
