@@ -61,26 +61,25 @@ impl Distances {
             let off = [0, 1].map(|k| off[k] as f32 - 0.5 * size[k] as f32);
             off[0].hypot(off[1]) < FOCUS_REACH * size[1] as f32
         };
-        let all: Vec<usize> = (0..places.len()).filter(is_item).collect();
-        let mut middle: Vec<usize> = all.iter().copied().filter(is_in_middle).collect();
-        if middle.is_empty() {
-            middle = all;
+        let distance = |i: usize| 1.0 / self.nearness(&places[i]);
+        let items = || (0..places.len()).filter(is_item);
+        let mut found: Vec<f32> = items().filter(is_in_middle).map(distance).collect();
+        if found.is_empty() {
+            found = items().map(distance).collect();
         }
-        let distance = |i: &usize| 1.0 / self.nearness(&places[*i]);
-        let mut items: Vec<f32> = middle.iter().map(distance).collect();
-        if items.is_empty() {
+        if found.is_empty() {
             return None;
         }
-        let at = (FOCUS_QUANTILE * (items.len() - 1) as f64) as usize;
-        Some(*items.select_nth_unstable_by(at, f32::total_cmp).1)
+        let at = (FOCUS_QUANTILE * (found.len() - 1) as f64) as usize;
+        Some(*found.select_nth_unstable_by(at, f32::total_cmp).1)
     }
 }
 
-/// The depth of field (0 to 1) of a lens of a diameter (m) that is focused on a distance (m).
-pub(crate) fn depth_of_field(diameter: f64, focus: f32, camera: &Camera) -> f64 {
-    // Seen from the lens, a far point covers a disc of its diameter in the plane of the focus.
+/// The depth of field (0 to 1) of a lens whose aperture has a diameter (m), focused on a distance (m).
+pub(crate) fn depth_of_field(aperture: f64, focus: f32, camera: &Camera) -> f64 {
+    // A point at infinity covers a disc of the aperture's diameter in the plane of the focus.
     let height = 2.0 * f64::from(focus) * camera.tangents[1];
-    let disc = 0.5 * diameter / height;
+    let disc = 0.5 * aperture / height;
     disc / (2.0 * f64::from(LARGEST_DISC))
 }
 
@@ -103,16 +102,6 @@ impl Lens {
         };
         (2.0 * LARGEST_DISC * self.strength as f32 * away).min(MAX_RADIUS) * height as f32
     }
-
-    /// Spreads the pixels of a picture.
-    pub fn spread(&self, pixels: &[Pixel], size: [usize; 2]) -> Vec<Vec3> {
-        let spreading = &Spreading::new(pixels, size, self);
-        let pixel = move |x, y| spreading.pixel([x, y]);
-        (0..size[1])
-            .into_par_iter()
-            .flat_map_iter(move |y| (0..size[0]).map(move |x| pixel(x, y)))
-            .collect()
-    }
 }
 
 /// What is spread over a disc: a layer of a pixel, or what layers of a cell have in common.
@@ -125,11 +114,7 @@ struct Spot {
 
 impl Spot {
     const NONE: Spot = Spot {
-        layer: Layer {
-            light: Vec3::ZERO,
-            share: 0.0,
-            nearness: 0.0,
-        },
+        layer: Layer::NONE,
         radius: 0.0,
     };
 
@@ -147,8 +132,8 @@ struct Reach {
     before: f32,
 }
 
-/// A picture while it is spread.
-struct Spreading {
+/// A picture whose pixels a lens spreads.
+pub(crate) struct Spreading {
     size: [usize; 2],
     spots: Vec<[Spot; 2]>,
     /// Of each cell what of it lies before the focus and what lies behind, where their discs are coarse; the light and the shares
@@ -160,7 +145,7 @@ struct Spreading {
 }
 
 impl Spreading {
-    fn new(pixels: &[Pixel], size: [usize; 2], lens: &Lens) -> Self {
+    pub fn new(pixels: &[Pixel], size: [usize; 2], lens: &Lens) -> Self {
         let focus_nearness = 1.0 / lens.focus;
         let spot = |layer: Layer| Spot {
             layer,
@@ -246,7 +231,7 @@ impl Spreading {
     }
 
     /// The radiance of a pixel.
-    fn pixel(&self, at: [usize; 2]) -> Vec3 {
+    pub fn pixel(&self, at: [usize; 2]) -> Vec3 {
         let reach = self.reaches[at[1] / BLOCK * self.block_columns + at[0] / BLOCK];
         let own = &self.spots[at[1] * self.size[0] + at[0]];
         let widest = own[0].radius.max(own[1].radius);
@@ -379,7 +364,10 @@ mod tests {
             focus: FOCUS,
             strength,
         };
-        lens.spread(&pixels, SIZE)
+        let spreading = Spreading::new(&pixels, SIZE, &lens);
+        (0..pixels.len())
+            .map(|i| spreading.pixel([i % SIZE[0], i / SIZE[0]]))
+            .collect()
     }
 
     #[test]

@@ -14,7 +14,8 @@ pub(crate) struct Layer {
 }
 
 impl Layer {
-    const NONE: Layer = Layer {
+    /// No part of a pixel.
+    pub const NONE: Layer = Layer {
         light: Vec3::ZERO,
         share: 0.0,
         nearness: 0.0,

@@ -141,7 +141,7 @@ parameters! {
             close_up: Option<f64> = None, number(Unit::One, 0.5, 1000.0).auto().logarithmic();
             /// What the wood stands on; "auto" puts a break on a floor of concrete, a large one on fallen leaves, and anything else before the plain backdrop.
             ground: Option<Ground> = None, choice(Ground::CHOICES).auto();
-            /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; "auto" is that of a lens of 24 mm on a ground, which blurs what is behind a branch and hardly anything behind a trunk, and nothing before the plain backdrop.
+            /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; "auto" is that of an aperture of 24 mm on a ground, which blurs what is behind a branch and hardly anything behind a trunk, and nothing before the plain backdrop.
             depth_of_field: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();
             /// Grain of the picture, the noise of a sensor: 0 for none, 1 for that of very little light; "auto" is a little on a ground and none before the plain backdrop. Pictures less than 900 pixels high have less.
             film_grain: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();

@@ -5,7 +5,7 @@ use crate::camera::{Camera, CameraPlacement, Sphere, View};
 use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
-use crate::focus::{Distances, Lens, depth_of_field};
+use crate::focus::{Distances, Lens, Spreading, depth_of_field};
 use crate::ground::{FallenLeaves, Ground, ShownGround};
 use crate::item::Item;
 use crate::layers::Pixel;
@@ -101,16 +101,16 @@ const SAMPLES_PER_LIGHT_RAY: u32 = 8;
 /// How many times wider and higher than it is rendered a draft is, and its most camera rays per pixel.
 const DRAFT_SCALE: u32 = 2;
 const DRAFT_SAMPLES: u32 = 4;
-/// Diameter of the lens (m) where a ground is shown: that of 85 mm at f/3.5. Near a branch what lies behind the focus is blurred; a
+/// Aperture of the lens (m) where a ground is shown: that of 85 mm at f/3.5. Near a branch what lies behind the focus is blurred; a
 /// trunk is seen from farther off. What it blurs at most, as a depth of field: all of what is broken is to be seen.
-const GROUND_LENS: f64 = 0.024;
+const GROUND_APERTURE: f64 = 0.024;
 const GROUND_DEPTH_OF_FIELD: f64 = 0.18;
 /// Grain on a ground that is shown: that of a good camera in a workshop.
 const GROUND_GRAIN: f64 = 0.25;
 /// Softness of the lens on a ground that is shown: that of a good one.
 const GROUND_SOFTNESS: f64 = 0.3;
-/// Shares of the work after which what is seen, its light, and more of that in soft shadows are there.
-const PROGRESS: [f64; 4] = [0.0, 0.3, 0.6, 0.7];
+/// Shares of the work after which what is seen, its light, more of that in soft shadows, and all pixels before they are blurred are there.
+const PROGRESS: [f64; 5] = [0.0, 0.3, 0.6, 0.7, 0.9];
 
 /// Renders a scene in which one shader provides the appearance of all surfaces.
 ///
@@ -254,15 +254,15 @@ fn aimed(
 enum Blur {
     /// A depth of field, 0 to 1.
     Given(f64),
-    /// As by a lens of a diameter, m.
-    Lens(f64),
+    /// As by a lens whose aperture has a diameter, m.
+    Aperture(f64),
 }
 
 impl Blur {
     fn of(options: &PictureOptions, is_ground_shown: bool) -> Self {
         match options.depth_of_field {
             Some(given) => Blur::Given(given),
-            None if is_ground_shown => Blur::Lens(GROUND_LENS),
+            None if is_ground_shown => Blur::Aperture(GROUND_APERTURE),
             None => Blur::Given(0.0),
         }
     }
@@ -311,8 +311,8 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
         focus,
         strength: match blur {
             Blur::Given(given) => given,
-            Blur::Lens(diameter) => {
-                depth_of_field(diameter, focus, frame.camera).min(GROUND_DEPTH_OF_FIELD)
+            Blur::Aperture(aperture) => {
+                depth_of_field(aperture, focus, frame.camera).min(GROUND_DEPTH_OF_FIELD)
             }
         },
     });
@@ -324,10 +324,12 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
         lens: lens.map(|lens| (lens, &distances)),
     };
     let pixels = rows(3).fill(|x, y| resolved.pixel(x, y))?;
-    Ok(match lens {
-        Some(lens) => lens.spread(&pixels, frame.size),
-        None => pixels.par_iter().map(Pixel::radiance).collect(),
-    })
+    let Some(lens) = lens else {
+        context.report(1.0)?;
+        return Ok(pixels.par_iter().map(Pixel::radiance).collect());
+    };
+    let spreading = Spreading::new(&pixels, frame.size, &lens);
+    rows(4).fill(|x, y| spreading.pixel([x, y]))
 }
 
 /// Enlarges the pixels of a picture to another size, linearly between their middles.

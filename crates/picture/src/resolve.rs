@@ -34,7 +34,7 @@ const MEAN_ERROR: f32 = 0.3;
 /// Rays per pixel from which on every pixel takes all of them.
 const RAYS_FOR_ALL: u32 = 64;
 /// Radius of the disc of an unsharp pixel from which on one ray stands for it, pixels.
-const BLURRED_RADIUS: f32 = 2.5;
+const ONE_RAY_RADIUS: f32 = 2.5;
 /// Likeness of places around that together suffice to light a place.
 const MIN_LIKENESS: f32 = 0.05;
 /// Luminance that is added to both where contrast is measured: darkness hides it.
@@ -194,7 +194,7 @@ impl Resolve<'_> {
         (at[1].saturating_sub(1)..(at[1] + 2).min(height)).all(|y| {
             columns.clone().all(|x| {
                 let place = &self.neighbours.places[y * width + x];
-                lens.radius(distances.nearness(place), height) > BLURRED_RADIUS
+                lens.radius(distances.nearness(place), height) > ONE_RAY_RADIUS
             })
         })
     }
