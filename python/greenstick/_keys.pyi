@@ -320,7 +320,7 @@ class RequestAttributes:
     def ground(self, value: Literal["plain", "bench", "concrete", "litter"] | None) -> None: ...
     @property
     def depth_of_field(self) -> float | None:
-        """How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; 'auto' is that of a lens of 24 mm on a ground, which blurs what is behind a branch and hardly anything behind a trunk, and nothing before the plain backdrop. Unit: one."""
+        """How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; 'auto' is that of an aperture of 24 mm on a ground, which blurs what is behind a branch and hardly anything behind a trunk, and nothing before the plain backdrop. Unit: one."""
     @depth_of_field.setter
     def depth_of_field(self, value: float | str | None) -> None: ...
     @property
