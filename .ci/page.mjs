@@ -17,8 +17,8 @@ const PATIENCE = 180_000; // ms, on a busy machine
 // A break of few rings, where it is not what is looked at: the pieces of others take a page that draws on the processor long.
 const COARSE = '#break.rings=4';
 // Small, as what is drawn on the processor takes its time by the pixel.
-const WIDTH = 1000;
-const HEIGHT = 600;
+const WIDTH = 920;
+const HEIGHT = 500;
 mkdirSync(folder, { recursive: true });
 
 function fail(message) {
@@ -171,7 +171,7 @@ const box = await page.locator('#studio').boundingBox();
 const middle = { x: 190 + (WIDTH - 190 - 360) / 2, y: box.y + box.height / 2 };
 const unclicked = await pictures();
 for (let i = 0; i < 12 && !(await hash()).includes('at='); i += 1) {
-  await page.mouse.move(middle.x - 120 + 20 * i, middle.y + 160 - 27 * i);
+  await page.mouse.move(middle.x - 84 + 14 * i, middle.y + 120 - 20 * i);
   await rest(1000);
   await page.mouse.down();
   await page.mouse.up();
@@ -249,7 +249,7 @@ const photograph = await page.evaluate(async () => {
   return Array.from(new Uint8Array(await blob.arrayBuffer()));
 });
 await drop('photograph.png', Uint8Array.from(photograph));
-await wait('a photograph over the picture', async () => (await violet_pixels()) > 20000);
+await wait('a photograph over the picture', async () => (await violet_pixels()) > 10000);
 await shot('photograph');
 
 // The wood is pulled on by hand: a worker moves it frame by frame, while others are drawn.

@@ -10,7 +10,7 @@ use super::bisection::crossing_pairs;
 use crate::intersect::{Contact, Plane, contact};
 use crate::{Aabb, Bvh, Context};
 use glam::DVec3;
-use rustc_hash::FxHashSet;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Rounds over all vertices of triangles that cross.
 const ROUNDS: usize = 8;
@@ -114,16 +114,32 @@ impl Placed {
 /// What lies about one vertex.
 struct Surroundings {
     frame: Frame,
-    /// Triangles at the vertex.
-    own: Vec<Placed>,
-    /// Others whose boxes they may come to overlap.
-    others: Vec<Placed>,
+    /// Triangles at the vertex first, then others whose boxes they may come to overlap.
+    placed: Vec<Placed>,
+    /// How many are at the vertex.
+    own: usize,
+    /// All pairs of which the first is at the vertex, each once. Those that were found to cross last come first, as they
+    /// are likeliest to cross again.
+    pairs: Vec<[u32; 2]>,
 }
 
 impl Surroundings {
+    fn new(frame: Frame, placed: Vec<Placed>, own: usize) -> Surroundings {
+        let (first, count) = (own as u32, placed.len() as u32);
+        let pairs = (0..first)
+            .flat_map(|s| (s + 1..count).map(move |t| [s, t]))
+            .collect();
+        Surroundings {
+            frame,
+            placed,
+            own,
+            pairs,
+        }
+    }
+
     /// Moves the vertex.
     fn move_to(&mut self, v: u32, place: DVec3) {
-        for t in &mut self.own {
+        for t in &mut self.placed[..self.own] {
             let corner = |k: usize| match t.vertices[k] == v {
                 true => place,
                 false => t.corners[k],
@@ -132,41 +148,39 @@ impl Surroundings {
         }
     }
 
-    /// Pairs of which the first is at the vertex, each once.
-    fn pairs(&self) -> impl Iterator<Item = (&Placed, &Placed)> {
-        let own = self.own.iter().enumerate();
-        own.flat_map(|(i, s)| {
-            let with = self.own[i + 1..].iter().chain(&self.others);
-            with.map(move |t| (s, t))
-        })
-    }
-
-    /// The length along which the triangles at the vertex cross each other and others; summing ends beyond `limit`.
-    fn length(&self, limit: f64) -> f64 {
-        let mut sum = 0.0;
-        for (s, t) in self.pairs().filter(|(s, t)| s.crosses(t)) {
-            sum += crossing_length(s.corners, t.corners);
-            if sum > limit {
-                break;
-            }
-        }
-        sum
-    }
-
-    /// Unit normals of triangles that those at the vertex cross.
-    fn normals(&self) -> Vec<DVec3> {
-        let mut normals = Vec::new();
-        for s in self.own.iter().chain(&self.others) {
-            if (self.own.iter()).any(|t| !std::ptr::eq(t, s) && t.crosses(s)) {
-                let [a, b, c] = s.corners;
-                let normal = (b - a).cross(c - a).normalize_or_zero();
-                let near = |n: &DVec3| n.dot(normal).abs() > 0.99;
-                if normal != DVec3::ZERO && !normals.iter().any(near) {
-                    normals.push(normal);
-                }
-                if normals.len() == MOST_NORMALS {
+    /// The length along which the triangles at the vertex cross each other and others, and the number of pairs that cross, which are
+    /// the first now; summing ends beyond `limit`.
+    fn length(&mut self, limit: f64) -> (f64, usize) {
+        let (mut sum, mut crossing) = (0.0, 0);
+        for i in 0..self.pairs.len() {
+            let [s, t] = self.pairs[i].map(|n| &self.placed[n as usize]);
+            if s.crosses(t) {
+                sum += crossing_length(s.corners, t.corners);
+                self.pairs.swap(crossing, i);
+                crossing += 1;
+                if sum > limit {
                     break;
                 }
+            }
+        }
+        (sum, crossing)
+    }
+
+    /// Unit normals of the triangles in the first pairs, which cross.
+    fn normals(&self, crossing: usize) -> Vec<DVec3> {
+        let mut crossed: Vec<u32> = self.pairs[..crossing].iter().flatten().copied().collect();
+        crossed.sort_unstable();
+        crossed.dedup();
+        let mut normals = Vec::new();
+        for t in crossed {
+            let [a, b, c] = self.placed[t as usize].corners;
+            let normal = (b - a).cross(c - a).normalize_or_zero();
+            let near = |n: &DVec3| n.dot(normal).abs() > 0.99;
+            if normal != DVec3::ZERO && !normals.iter().any(near) {
+                normals.push(normal);
+            }
+            if normals.len() == MOST_NORMALS {
+                break;
             }
         }
         normals
@@ -188,19 +202,35 @@ impl Untangler<'_> {
         let around = self.around();
         let first = self.positions.to_vec();
         let mut taken: FxHashSet<[u64; 3]> = first.iter().copied().map(position_key).collect();
+        // When a triangle was last changed, and when a vertex was last tried without success, in vertices tried.
+        let mut changed_at = vec![0; self.triangles.len()];
+        let mut failed_at: FxHashMap<u32, u32> = FxHashMap::default();
+        let mut now = 0;
         for _ in 0..ROUNDS {
             let mut changed: Vec<u32> = Vec::new();
             for v in self.vertices_of(pairs) {
                 if self.context.check().is_err() {
                     break;
                 }
-                let own = around[v as usize].clone();
+                now += 1;
+                let own = &around[v as usize];
+                let region = (own.iter()).fold(Aabb::EMPTY, |all, &t| all.join(&boxes[t as usize]));
+                let mut near = Vec::new();
+                tree.overlapping(&region, |t| near.push(t as u32));
+                // What failed among the same triangles would fail again.
+                let is_older = |t: &u32, then: u32| changed_at[*t as usize] <= then;
+                if (failed_at.get(&v)).is_some_and(|&then| near.iter().all(|t| is_older(t, then))) {
+                    continue;
+                }
                 let from = self.positions[v as usize];
-                if self.improve(v, own, &first, (&boxes, &tree), &taken) {
+                if self.improve(v, own, first[v as usize], near, &taken) {
                     taken.remove(&position_key(from));
                     taken.insert(position_key(self.positions[v as usize]));
-                    changed.extend(&around[v as usize]);
+                    own.iter().for_each(|&t| changed_at[t as usize] = now);
+                    changed.extend(own);
                     done.moved.push(v);
+                } else {
+                    failed_at.insert(v, now);
                 }
             }
             if changed.is_empty() {
@@ -250,23 +280,24 @@ impl Untangler<'_> {
         vertices
     }
 
-    /// Moves a vertex to the best of the places tried; returns false where none is better than its own.
+    /// Moves a vertex, first at `origin`, whose triangles are `own`, to the best of the places tried; returns false where none is
+    /// better than its own. `near` are the triangles that those may come to touch.
     fn improve(
         &mut self,
         v: u32,
-        own: Vec<u32>,
-        first: &[DVec3],
-        (boxes, tree): (&[Aabb], &Bvh),
+        own: &[u32],
+        origin: DVec3,
+        near: Vec<u32>,
         taken: &FxHashSet<[u64; 3]>,
     ) -> bool {
         let from = self.positions[v as usize];
-        let origin = first[v as usize];
-        let mut about = self.surroundings(own, origin, (boxes, tree));
-        let mut best = (about.length(f64::INFINITY), from);
-        if best.0 == 0.0 {
+        let mut about = self.surroundings(own, origin, near);
+        let (length, crossing) = about.length(f64::INFINITY);
+        let mut best = (length, from);
+        if crossing == 0 {
             return false;
         }
-        for place in self.places(v, &about) {
+        for place in self.places(v, &about, crossing) {
             let offset = place - origin;
             let place = origin + offset.clamp_length_max(self.reach);
             let place = place.as_vec3().as_dvec3();
@@ -274,7 +305,7 @@ impl Untangler<'_> {
                 continue;
             }
             about.move_to(v, place);
-            let length = about.length(best.0);
+            let (length, _) = about.length(best.0);
             if length < best.0 * (1.0 - LEAST_GAIN) {
                 best = (length, place);
                 if length == 0.0 {
@@ -286,13 +317,9 @@ impl Untangler<'_> {
         best.1 != from
     }
 
-    /// What lies about the vertex whose triangles are `own`, wherever it is moved from its first place, `origin`.
-    fn surroundings(
-        &self,
-        own: Vec<u32>,
-        origin: DVec3,
-        (boxes, tree): (&[Aabb], &Bvh),
-    ) -> Surroundings {
+    /// What lies about the vertex whose triangles are `own`, wherever it is moved from its first place, `origin`; `near` holds all of it,
+    /// and more.
+    fn surroundings(&self, own: &[u32], origin: DVec3, mut near: Vec<u32>) -> Surroundings {
         let edges = own.iter().flat_map(|&t| {
             let [a, b, c] = self.corners(t);
             [b - a, c - b, a - c]
@@ -300,29 +327,23 @@ impl Untangler<'_> {
         let longest = edges.max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()));
         let frame = Frame::along(longest.unwrap_or_default(), origin);
         let placed = |t: u32| Placed::new(&frame, self.triangles[t as usize], self.corners(t));
-        let placed_own: Vec<Placed> = own.iter().map(|&t| placed(t)).collect();
+        let mut all: Vec<Placed> = own.iter().map(|&t| placed(t)).collect();
         let reached = Aabb::around(&[frame.rotated(origin)]).grown(self.reach + frame.margin);
-        let reached = (placed_own.iter()).fold(reached, |all, t| all.join(&t.bounds));
-        let region = (own.iter()).fold(Aabb::EMPTY, |all, &t| all.join(&boxes[t as usize]));
-        let mut others = Vec::new();
-        tree.overlapping(&region, |t| others.push(t as u32));
-        others.sort_unstable();
-        others.retain(|t| {
+        let reached = (all.iter()).fold(reached, |all, t| all.join(&t.bounds));
+        near.sort_unstable();
+        near.retain(|t| {
             let bounds = frame.bounds(self.corners(*t));
             bounds.overlaps(&reached) && own.binary_search(t).is_err()
         });
-        Surroundings {
-            own: placed_own,
-            others: others.into_iter().map(placed).collect(),
-            frame,
-        }
+        all.extend(near.into_iter().map(placed));
+        Surroundings::new(frame, all, own.len())
     }
 
     /// The places to try for a vertex.
-    fn places(&self, v: u32, about: &Surroundings) -> Vec<DVec3> {
+    fn places(&self, v: u32, about: &Surroundings, crossing: usize) -> Vec<DVec3> {
         let from = self.positions[v as usize];
         let mut places = Vec::new();
-        let neighbours = (about.own.iter())
+        let neighbours = (about.placed[..about.own].iter())
             .flat_map(|t| t.vertices)
             .filter(|&w| w != v);
         let (sum, count) = neighbours.fold((DVec3::ZERO, 0), |(sum, n), w| {
@@ -330,7 +351,7 @@ impl Untangler<'_> {
         });
         let mean = sum / f64::from(count.max(1));
         places.extend(TO_MEAN.map(|part| from.lerp(mean, part)));
-        for normal in about.normals() {
+        for normal in about.normals(crossing) {
             for step in STEPS {
                 places.push(from + normal * (step * self.reach));
                 places.push(from - normal * (step * self.reach));

@@ -221,7 +221,7 @@ impl Cutter<'_> {
     ) -> Result<BrokenFace, BreakError> {
         let (source, transform) = (self.stem.source(), self.stem.transform());
         let layers = (&self.stem.layers, self.stem.found.stem.radius);
-        let cut_along = |surface: &FractureSurface, depths: &[spiral::LeastDepth]| {
+        let cut_along = |surface: &FractureSurface| {
             let (mut cut, chips) = self.cut(surface, workspace)?;
             let (repair, crossing) = spiral::repair_spiral_face(
                 &source,
@@ -229,7 +229,6 @@ impl Cutter<'_> {
                 self.skin,
                 layers,
                 transform,
-                depths,
                 self.context,
             )?;
             Ok::<_, BreakError>(((cut, chips), repair, crossing))

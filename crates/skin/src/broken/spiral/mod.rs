@@ -27,29 +27,19 @@ use std::collections::BTreeSet;
 
 /// Rounds in which what crosses is bisected and moved.
 const ROUNDS: usize = 8;
-/// Depths below the skin that vertices within the wood lie at least at, in the order they are tried, in radii and in spacings of
-/// the positions that files hold, whichever is more: so that wood between the two stays, and less than the depth at which
-/// neighbours of a vertex would have to be moved too. No one depth serves all shapes; what neither serves is levelled, which
-/// takes no longer than a third.
-pub const LEAST_DEPTHS: [LeastDepth; 2] = [
-    LeastDepth {
-        radii: 5e-4,
-        spacings: 400.0,
-    },
-    LeastDepth {
-        radii: 1.5e-4,
-        spacings: 120.0,
-    },
-];
+/// Depth below the skin that vertices within the wood lie at least at, in radii and in spacings of the positions that files hold,
+/// whichever is more: so that wood between the two stays, and less than the depth at which neighbours of a vertex would have to be
+/// moved too.
+const LEAST_DEPTH_RADII: f64 = 5e-4;
+const LEAST_DEPTH_SPACINGS: f64 = 400.0;
 /// The greatest depth below the skin that a vertex in the middle of an edge is moved to for its own sake, as a part of the edge's
 /// length: deeper ones would stand out as spikes, and cross those beside them.
 const MOST_DEPTH_PER_LENGTH: f64 = 0.03;
 /// The shortest edges from outline to outline that are bisected, in spacings of the positions that files hold.
 const SHORTEST_CHORD: f64 = 8.0;
-/// An attempt is given up once this many times as many pairs cross as at its best, or after [`PATIENCE`] rounds in which
-/// they did not become fewer: bisecting again what moving has not freed makes ever more, ever smaller triangles.
-const GROWTH: usize = 4;
-const PATIENCE: usize = 2;
+/// An attempt is given up after a round that leaves more than this part of the pairs that crossed before it: bisecting again what
+/// moving has not freed makes ever more, ever smaller triangles. Attempts that succeed leave a fifth in most rounds.
+const MOST_LEFT: f64 = 0.6;
 /// Pairs that cross, as a part of the triangles of the face, above which moving vertices is not tried: each move is judged by
 /// all that crosses about it, which takes minutes there, and levelling frees most.
 const MAX_TANGLED: f64 = 0.02;
@@ -57,15 +47,6 @@ const MAX_TANGLED: f64 = 0.02;
 const MAX_MOVE_RADII: f64 = 5e-3;
 /// By how much positions in `f32` may lie off, radii: those of stems 10 radii long and more.
 const ROUNDING_RADII: f64 = 1e-6;
-
-/// A depth below the skin, the greater of two.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LeastDepth {
-    /// In radii of the stem.
-    radii: f64,
-    /// In distances between neighbouring positions in files.
-    spacings: f64,
-}
 
 /// What was done to a broken face in spiral grain.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -90,16 +71,16 @@ const LEVELLED_AROUND: [usize; 4] = [1, 2, 4, 8];
 /// A cut of a surface, what was done to its face, and the cells about what still crosses.
 type Attempt<T> = (T, SpiralRepair, Vec<u32>);
 
-/// Cuts a stem along `surface` by `cut_along`, which also repairs the face, at the depths given, and returns the cells about what
-/// still crosses, and levels the surface there until nothing does. Returns the best of the cuts.
+/// Cuts a stem along `surface` by `cut_along`, which also repairs the face and returns the cells about what still crosses, and levels
+/// the surface there until nothing does. Returns the best of the cuts.
 ///
 /// # Errors
 /// Those of `cut_along` with the surface as it is; one that fails once it is levelled is left out.
 pub fn cut_and_level<T, E>(
     surface: &FractureSurface,
-    mut cut_along: impl FnMut(&FractureSurface, &[LeastDepth]) -> Result<Attempt<T>, E>,
+    mut cut_along: impl FnMut(&FractureSurface) -> Result<Attempt<T>, E>,
 ) -> Result<(T, SpiralRepair), E> {
-    let (mut best, mut done, mut crossing) = cut_along(surface, &LEAST_DEPTHS)?;
+    let (mut best, mut done, mut crossing) = cut_along(surface)?;
     let mut cells = BTreeSet::new();
     for around in LEVELLED_AROUND {
         if done.remaining == 0 {
@@ -110,9 +91,8 @@ pub fn cut_and_level<T, E>(
             levelled::grow(&surface.layout, &mut about);
         }
         cells.extend(about);
-        // One depth: what it leaves is levelled farther around, which is quicker than to try another.
         let level = levelled::levelled(surface, &cells);
-        let Ok((other, repair, cells_about)) = cut_along(&level, &LEAST_DEPTHS[..1]) else {
+        let Ok((other, repair, cells_about)) = cut_along(&level) else {
             break;
         };
         crossing = cells_about;
@@ -147,8 +127,7 @@ struct Face<'a> {
 }
 
 /// Removes the self-intersections of the face of `cut`. `skin` is the sorted skin that was cut; `layers` are those of the
-/// stem, whose radius is given in m and to whose world `transform` leads; of the least `depths` below the skin the best is taken.
-/// Also returns the cells of what still crosses.
+/// stem, whose radius is given in m and to whose world `transform` leads. Also returns the cells of what still crosses.
 ///
 /// # Errors
 /// [`Cancelled`] where the caller cancelled.
@@ -158,7 +137,6 @@ pub fn repair_spiral_face(
     skin: &Skin,
     (layers, radius): (&LayeredGrain, f64),
     transform: &DAffine3,
-    depths: &[LeastDepth],
     context: &Context,
 ) -> Result<(SpiralRepair, Vec<u32>), Cancelled> {
     let to_grain = |p| layers.to_grain(transform.transform_point3(p));
@@ -173,29 +151,9 @@ pub fn repair_spiral_face(
         })
         .fold(0.0, |most: f64, p| most.max(p.abs().max_element()));
     let spacing = f64::from(f32::EPSILON) * farthest;
-    let attempt = |depth: LeastDepth| {
-        let mut repaired = cut.clone();
-        let depth = (depth.radii * radius).max(depth.spacings * spacing);
-        let lengths = (radius, depth, spacing);
-        let mut face = Face::new(source, &mut repaired, skin, lengths, &to_grain);
-        Ok::<_, Cancelled>((face.repair(layers, radius, context)?, repaired))
-    };
-    let mut best: Option<((SpiralRepair, Vec<u32>), Cut)> = None;
-    for &depth in depths {
-        let fewest = best.as_ref().map_or(usize::MAX, |best| best.0.0.remaining);
-        if fewest == 0 {
-            break;
-        }
-        let other = attempt(depth)?;
-        if other.0.0.remaining < fewest {
-            best = Some(other);
-        }
-    }
-    let Some((done, repaired)) = best else {
-        return Ok((SpiralRepair::default(), Vec::new()));
-    };
-    *cut = repaired;
-    Ok(done)
+    let depth = (LEAST_DEPTH_RADII * radius).max(LEAST_DEPTH_SPACINGS * spacing);
+    let lengths = (radius, depth, spacing);
+    Face::new(source, cut, skin, lengths, &to_grain).repair(layers, radius, context)
 }
 
 impl<'a> Face<'a> {
@@ -267,16 +225,17 @@ impl<'a> Face<'a> {
         self.bisect_chords(&mut done);
         let mut pairs = self.crossing(layers, context)?;
         done.crossed = pairs.len();
-        let (mut fewest, mut since) = (pairs.len(), 0);
         for _ in 0..ROUNDS {
             let tangled = pairs.len() as f64 > MAX_TANGLED * self.cut.cap.len() as f64;
-            if pairs.is_empty() || tangled || pairs.len() > GROWTH * fewest || since == PATIENCE {
+            if pairs.is_empty() || tangled {
                 break;
             }
+            let most = (MOST_LEFT * pairs.len() as f64) as usize;
             pairs = self.bisect(pairs, &mut done, context)?;
             self.untangle(&mut pairs, MAX_MOVE_RADII * radius, &mut done, context)?;
-            since = if pairs.len() < fewest { 0 } else { since + 1 };
-            fewest = fewest.min(pairs.len());
+            if pairs.len() > most {
+                break;
+            }
         }
         self.store();
         done.remaining = pairs.len();
