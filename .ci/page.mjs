@@ -153,7 +153,7 @@ async function compare(what, input) {
   say(`the pieces of ${what} are those of the command line: ${made.length} bytes`);
 }
 
-await page.goto(address);
+await page.goto(address + COARSE);
 await wait('a first picture', async () => (await pictures()) > 0);
 const first = await page.evaluate(() => performance.getEntriesByName('shown')[0].startTime);
 say(`${card}, first answer ${first.toFixed(0)} ms after the page was asked for`);
