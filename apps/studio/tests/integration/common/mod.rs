@@ -115,7 +115,17 @@ pub fn drag(harness: &mut Harness<'static, Studio>, from: egui::Pos2, to: egui::
     settle(harness);
 }
 
-/// The recipe that the studio saves, and the pieces that the command line makes of it, as GLB.
+/// Width of the textures that are baked to be compared, pixels: those of a window are of the full width in `.ci/studio.py`.
+const TEXTURE_WIDTH: u32 = 64;
+
+fn coarse(file: &RequestFile) -> RequestFile {
+    RequestFile {
+        texture_width: TEXTURE_WIDTH,
+        ..file.clone()
+    }
+}
+
+/// The recipe that the studio saves, and the pieces that the command line makes of it but for the width of textures, as GLB.
 pub fn saved_and_broken(
     harness: &mut Harness<'static, Studio>,
     folder: &Folder,
@@ -124,17 +134,19 @@ pub fn saved_and_broken(
     harness.state_mut().save_as(path.to_str().unwrap());
     let text = std::fs::read_to_string(&path).unwrap();
     let file = RequestFile::resolve(&[], Some(&text), &[]).unwrap();
+    let coarse = coarse(&file);
     let mut broken =
-        greenstick::break_scene(built_in_branch(), &file.request(), &Context::quiet()).unwrap();
-    broken.scene.metadata = file.provenance(None, None).metadata();
+        greenstick::break_scene(built_in_branch(), &coarse.request(), &Context::quiet()).unwrap();
+    broken.scene.metadata = coarse.provenance(None, None).metadata();
     let outputs = encode(&broken.scene, Path::new("out.glb"), LengthUnit::Metre).unwrap();
     (file, outputs.into_iter().next().unwrap().bytes)
 }
 
-/// The pieces that the studio exports of what it has open, as GLB.
+/// The pieces that the studio exports of what it has open but for the width of textures, as GLB.
 pub fn exported(harness: &Harness<'static, Studio>) -> Vec<u8> {
     let project = &harness.state().project;
-    let broken = export(&project.input, &project.file, |_| {}, &Context::quiet()).unwrap();
+    let file = coarse(&project.file);
+    let broken = export(&project.input, &file, |_| {}, &Context::quiet()).unwrap();
     let outputs = encode(&broken.scene, Path::new("out.glb"), LengthUnit::Metre).unwrap();
     outputs.into_iter().next().unwrap().bytes
 }
