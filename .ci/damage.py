@@ -38,7 +38,7 @@ TIMES_FILE = 12
 NUMBERS = [b"nan", b"inf", b"-1", b"0", b"1e300", b"-1e-300", b"1e19", b"99999999999999999999", b"4294967296", b""]
 
 
-def stem_points(count: int = 2000) -> list[tuple[float, float, float]]:
+def stem_points(count: int = 500) -> list[tuple[float, float, float]]:
     """Points on the bark of a stem 40 cm thick and 2 m high."""
     dice = random.Random(7)
     points = []
