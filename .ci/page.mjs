@@ -277,14 +277,16 @@ await rest(6000);
 check('that the wood rests after a stop', (await frames()) <= given_up + 1);
 say(`the wood was pulled on, and ${given_up} frames of it were drawn`);
 
-// A mesh of one's own, by the settings as they come, and by another seed.
+// A mesh of one's own, by the settings as they come, and by other seeds.
 await page.goto('about:blank');
 await page.goto(address);
 await wait('a picture before a mesh', async () => (await pictures()) > 0);
 await drop(basename(mesh), readFileSync(mesh));
 await wait('the name of the mesh in the address', async () => (await hash()).includes(`input=${basename(mesh)}`));
-await page.keyboard.press('n');
-await wait('another seed', async () => (await hash()).includes('seed=2'));
+for (const seed of [2, 3]) {
+  await page.keyboard.press('n');
+  await wait('another seed', async () => (await hash()).includes(`seed=${seed}`));
+}
 await shot('mesh');
 await compare('mesh', mesh);
 
