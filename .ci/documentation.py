@@ -6,9 +6,9 @@ Usage: documentation.py GREENSTICK [--page NAME] [--folder FOLDER]
 What runs are the lines of blocks marked `sh` and the spans of code in paragraphs that begin with `greenstick` and are whole: no
 names of commands alone, no placeholders such as FILE, no `…`. What a page's commands write stays for the next. A command fails
 that ends with another code than 0, or takes longer than 60 s. Results that many commands share, such as `simulate bend -o run`,
-are made once. So that all of it takes three minutes on two cores, pictures are drafts, simulations end early and sections of stems are
-coarse (`SHORTER`, `FEWER`), and bend tests have fewer specimens (`FEWER`); the shared run ends after its stem has broken. That changes
-how long commands take, not whether they run. What is left out stands in `EXCLUDED`, with the reason. Needs laspy with lazrs, and trimesh.
+are made once. So that all of it takes four minutes on two cores, pictures are drafts, simulations end early (`SHORTER`, `FEWER`), and
+bend tests have fewer specimens (`FEWER`); the shared run ends after its stem has broken. That changes how long commands take, not whether
+they run. What is left out stands in `EXCLUDED`, with the reason. Needs laspy with lazrs, and trimesh.
 """
 
 import argparse
@@ -60,16 +60,10 @@ SHORTER = {
     "greenstick simulate": "--duration 0.02 --no-pictures",
     "greenstick break": "--draft",
     "greenstick skin": "--draft",
-    "greenstick anatomy": "--resolution 64",
 }
 
 # Words of commands, and those that stand for them here.
-FEWER = {
-    "--specimens 200": "--specimens 6",
-    "--duration 0.006": "--duration 0.001",
-    "--resolution 256": "--resolution 64",
-    "--resolution 512": "--resolution 64",
-}
+FEWER = {"--specimens 200": "--specimens 6", "--duration 0.006": "--duration 0.001"}
 
 # Commands whose results are made once for all pages: what is in the folder they write.
 SHARED = {

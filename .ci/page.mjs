@@ -126,11 +126,14 @@ async function drop(name, bytes) {
 const downloads = [];
 page.on('download', (d) => downloads.push(d));
 
-/** Presses keys and takes the file that is handed out; the dialog that Return accepts may take its time to appear. */
+/** Presses keys and takes the file that is handed out; the dialog that Return accepts may take its time to appear. Keys that come while
+ * the dialog before is still shown are lost: after a minute without a file they are pressed again. */
 async function handed_out(keys, name) {
   const count = downloads.length;
-  await page.keyboard.press(keys);
+  let tries = 0;
   await wait(`a download of ${name}`, async () => {
+    if (tries % 30 === 0) await page.keyboard.press(keys);
+    tries += 1;
     await rest(2000);
     if (downloads.length === count) await page.keyboard.press('Enter');
     return downloads.length > count;
@@ -249,7 +252,7 @@ const photograph = await page.evaluate(async () => {
   return Array.from(new Uint8Array(await blob.arrayBuffer()));
 });
 await drop('photograph.png', Uint8Array.from(photograph));
-await wait('a photograph over the picture', async () => (await violet_pixels()) > 10000);
+await wait('a photograph over the picture', async () => (await violet_pixels()) > 20000);
 await shot('photograph');
 
 // The wood is pulled on by hand: a worker moves it frame by frame, while others are drawn.

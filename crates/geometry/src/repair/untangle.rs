@@ -202,17 +202,17 @@ impl Untangler<'_> {
         let around = self.around();
         let first = self.positions.to_vec();
         let mut taken: FxHashSet<[u64; 3]> = first.iter().copied().map(position_key).collect();
-        // When a triangle was last changed, and when a vertex was last tried without success, in vertices tried.
+        // How many vertices had been tried when a triangle was last changed, and when a vertex was last tried without success.
         let mut changed_at = vec![0; self.triangles.len()];
         let mut failed_at: FxHashMap<u32, u32> = FxHashMap::default();
-        let mut now = 0;
+        let mut tried = 0;
         for _ in 0..ROUNDS {
             let mut changed: Vec<u32> = Vec::new();
             for v in self.vertices_of(pairs) {
                 if self.context.check().is_err() {
                     break;
                 }
-                now += 1;
+                tried += 1;
                 let own = &around[v as usize];
                 let region = (own.iter()).fold(Aabb::EMPTY, |all, &t| all.join(&boxes[t as usize]));
                 let mut near = Vec::new();
@@ -226,11 +226,11 @@ impl Untangler<'_> {
                 if self.improve(v, own, first[v as usize], near, &taken) {
                     taken.remove(&position_key(from));
                     taken.insert(position_key(self.positions[v as usize]));
-                    own.iter().for_each(|&t| changed_at[t as usize] = now);
+                    own.iter().for_each(|&t| changed_at[t as usize] = tried);
                     changed.extend(own);
                     done.moved.push(v);
                 } else {
-                    failed_at.insert(v, now);
+                    failed_at.insert(v, tried);
                 }
             }
             if changed.is_empty() {
