@@ -297,9 +297,11 @@ impl Untangler<'_> {
         if crossing == 0 {
             return false;
         }
+        // Rounding to `f32` may lengthen the way by less than this.
+        let rounding = f64::from(f32::EPSILON) * (origin.abs().max_element() + self.reach);
+        let reach = (self.reach - rounding).max(0.0);
         for place in self.places(v, &about, crossing) {
-            let offset = place - origin;
-            let place = origin + offset.clamp_length_max(self.reach);
+            let place = origin + (place - origin).clamp_length_max(reach);
             let place = place.as_vec3().as_dvec3();
             if taken.contains(&position_key(place)) {
                 continue;
