@@ -4,8 +4,8 @@ use super::studio::Studio;
 use crate::model::engine::Failure;
 use crate::model::photograph::Overlay;
 use eframe::egui::{
-    self, Color32, ColorImage, CursorIcon, Event, Mesh, Pos2, Rect, Sense, Shape, TextureHandle,
-    TextureOptions, Ui, Vec2,
+    self, Button, Color32, ColorImage, CursorIcon, Event, Mesh, Pos2, Rect, Sense, Shape,
+    TextureHandle, TextureOptions, Ui, Vec2,
 };
 use greenstick::formats::photograph::Photograph;
 
@@ -13,6 +13,8 @@ use greenstick::formats::photograph::Photograph;
 const NOTCH: f64 = 1.08;
 /// Degrees by which it turns for each point that the pointer moves.
 const TURN_PER_POINT: f64 = 0.25;
+/// Points that the slider of opacity takes with its number and its label.
+const OPACITY_WIDTH: f32 = 200.0;
 
 impl Studio {
     /// Starts to read a photograph; it becomes part of the project when it is read.
@@ -214,12 +216,11 @@ impl Studio {
             ui.selectable_value(&mut next.beside, false, "over");
             ui.selectable_value(&mut next.beside, true, "beside");
             let over = !next.beside;
-            ui.add_enabled_ui(over, |ui| {
-                ui.toggle_value(&mut self.photograph.moves, "Move")
-                    .on_hover_text(
-                        "Dragging shifts the photograph and not the camera; with Shift it turns it, the wheel scales it.",
-                    );
-            });
+            let moves = Button::selectable(self.photograph.moves, "Move");
+            let moves = ui.add_enabled(over, moves).on_hover_text(
+                "Dragging shifts the photograph and not the camera; with Shift it turns it, the wheel scales it.",
+            );
+            self.photograph.moves ^= moves.clicked();
             let mut drag = false;
             let mut stopped = false;
             let mut value = |response: egui::Response, name: &'static str| {
@@ -230,10 +231,12 @@ impl Studio {
                 stopped |= response.drag_stopped();
             };
             ui.spacing_mut().slider_width = 80.0;
-            ui.add_enabled_ui(over, |ui| {
-                let opacity = egui::Slider::new(&mut next.opacity, 0.0..=1.0);
-                value(ui.add(opacity.text("opacity")), "opacity");
-            });
+            // A slider does not begin a line by itself where it does not fit.
+            if ui.available_size_before_wrap().x < OPACITY_WIDTH {
+                ui.end_row();
+            }
+            let opacity = egui::Slider::new(&mut next.opacity, 0.0..=1.0).text("opacity");
+            value(ui.add_enabled(over, opacity), "opacity");
             let by_drag = |x, prefix: &str, speed: f64| {
                 egui::DragValue::new(x)
                     .prefix(format!("{prefix} "))

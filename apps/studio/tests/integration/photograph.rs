@@ -166,6 +166,28 @@ fn a_photograph_beside_the_picture_is_moved_in_its_own_half() {
 }
 
 #[test]
+fn the_bar_of_a_photograph_wraps_in_a_narrow_window() {
+    let folder = Folder::new();
+    let mut harness = studio(&folder, Some(&picture(&folder)));
+    settle(&mut harness);
+    for width in (700..1000).step_by(20) {
+        harness.set_size(egui::vec2(width as f32, 450.0));
+        harness.run_steps(2);
+        for label in ["Move", "over", "beside", "Remove"] {
+            let height = harness.get_by_label(label).rect().height();
+            assert!(height < 30.0, "{label}: {height} points high at {width}");
+        }
+        let opacity = harness
+            .get_by_role_and_label(Role::Slider, "opacity")
+            .rect();
+        assert!(
+            opacity.right() <= width as f32 && opacity.height() < 30.0,
+            "{opacity:?} at {width}"
+        );
+    }
+}
+
+#[test]
 fn a_bad_photograph_gives_a_message_that_stays_and_changes_nothing() {
     let folder = Folder::new();
     let mut harness = studio(&folder, None);
