@@ -13,7 +13,7 @@ pub enum BreakError {
     #[error(transparent)]
     Stem(#[from] StemError),
     /// The mesh cannot be cut.
-    #[error("{error}; in the world that is at {at} (m)")]
+    #[error("{error}; in the world that is at {at:.5} (m)")]
     Cut {
         /// What went wrong.
         error: CutError,

@@ -7,6 +7,8 @@ use greenstick::formats::LengthUnit;
 
 /// No stem is thicker, m: the stoutest tree, the Árbol del Tule, is 11.6 m thick.
 const THICKEST: f64 = 12.0;
+/// Points that a message takes at most in width.
+const WIDEST: f32 = 560.0;
 /// Units of files that are no metres.
 const UNITS: [(LengthUnit, &str); 2] = [
     (LengthUnit::Millimetre, "Millimetres"),
@@ -52,7 +54,7 @@ impl Studio {
             egui::Frame::popup(ui.style())
                 .stroke(egui::Stroke::new(1.5, accent))
                 .show(ui, |ui| {
-                    ui.set_max_width(560.0);
+                    ui.set_max_width(WIDEST.min(ui.available_width()));
                     ui.horizontal_top(|ui| {
                         if ui.button("Dismiss").clicked() {
                             dismissed = Some(i);

@@ -201,6 +201,19 @@ fn a_bad_photograph_gives_a_message_that_stays_and_changes_nothing() {
     assert_eq!(messages.len(), 1, "{messages:?}");
     assert!(messages[0].is_error && messages[0].text.contains("bad.jpg"));
     assert!(!harness.state().project.is_changed() && !harness.state().has_photograph());
+    // In a narrow window it wraps before it reaches the panel.
+    let text = messages[0].text.clone();
+    harness.set_size(egui::vec2(920.0, 500.0));
+    harness.run_steps(3);
+    let (text, panel) = (
+        harness.get_by_label(&text),
+        harness.get_by_label("The break"),
+    );
+    assert!(
+        text.rect().right() < panel.rect().left(),
+        "{:?}",
+        text.rect()
+    );
     // A project whose photograph is gone opens without it, says so once, and keeps its values.
     let mut file = ProjectFile::default();
     file.studio.photograph.file = Some("gone.png".to_owned());

@@ -7,14 +7,14 @@ use greenstick_geometry::Cancelled;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CutError {
     /// The layout does not reach beyond the skin.
-    #[error("the skin reaches beyond the break surface near {at} (grain coordinates, m)")]
+    #[error("the skin reaches beyond the break surface near {at:.5} (grain coordinates, m)")]
     OffLayout {
         /// Where.
         at: DVec3,
     },
     /// The outline on a triangle of the skin does not close.
     #[error(
-        "the break's outline on triangle {triangle} does not close near {at} (grain coordinates, m)"
+        "the break's outline on triangle {triangle} does not close near {at:.5} (grain coordinates, m)"
     )]
     Outline {
         /// The triangle.
@@ -24,7 +24,7 @@ pub enum CutError {
     },
     /// A broken face cannot be closed: the skin has a hole or is not a manifold there.
     #[error(
-        "the broken face cannot be closed near {at} (grain coordinates, m): the mesh has a hole or is not a manifold there"
+        "the broken face cannot be closed near {at:.5} (grain coordinates, m): the mesh has a hole or is not a manifold there"
     )]
     Face {
         /// Where.
