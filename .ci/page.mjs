@@ -13,7 +13,7 @@ if (!folder) {
   process.exit(2);
 }
 const { chromium } = createRequire(join(resolve(modules), 'package.json'))('playwright-core');
-const PATIENCE = 300_000; // ms, on a busy machine
+const PATIENCE = 180_000; // ms, on a busy machine
 // A break of few rings, where it is not what is looked at: the pieces of others take a page that draws on the processor long.
 const COARSE = '#break.rings=4';
 // Small, as what is drawn on the processor takes its time by the pixel.
