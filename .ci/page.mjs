@@ -280,7 +280,7 @@ await rest(6000);
 check('that the wood rests after a stop', (await frames()) <= given_up + 1);
 say(`the wood was pulled on, and ${given_up} frames of it were drawn`);
 
-// A mesh of one's own, by the settings as they come but for the seed: by 2, the break would reach where this one is open.
+// A mesh of one's own, by the settings as they come but for the seed: by 2, the break would cut an edge of this one that has more than two triangles.
 await page.goto('about:blank');
 await page.goto(`${address}#break.seed=5`);
 await wait('a picture before a mesh', async () => (await pictures()) > 0);
