@@ -95,6 +95,30 @@ impl Mesh {
         part
     }
 
+    /// Adds a vertex at `position` with the attributes that lie the fraction `t` of the way from vertex `v` to vertex `w`. Returns its
+    /// index.
+    pub fn push_vertex_between(&mut self, (v, w): (u32, u32), t: f64, position: DVec3) -> u32 {
+        for (name, Attribute { width, data }) in &mut self.attributes {
+            let (v, w) = (v as usize * *width, w as usize * *width);
+            let first = data.len();
+            for k in 0..*width {
+                let (a, b) = (f64::from(data[v + k]), f64::from(data[w + k]));
+                data.push((a + (b - a) * t) as f32);
+            }
+            if matches!(name.as_str(), "NORMAL" | "TANGENT") && *width >= 3 {
+                let added = &mut data[first..];
+                let n = DVec3::new(added[0].into(), added[1].into(), added[2].into());
+                let unit = n.normalize_or_zero().as_vec3().to_array();
+                added[..3].copy_from_slice(&unit);
+                if let Some(handedness) = added.get_mut(3) {
+                    *handedness = handedness.signum();
+                }
+            }
+        }
+        self.positions.push(position);
+        self.positions.len() as u32 - 1
+    }
+
     /// Numbers the points of the mesh. Vertices at bitwise equal positions (0 and −0 count as equal) share a point.
     /// Returns the point of each vertex, counted from 0 in order of first appearance, and the number of points.
     pub fn points(&self) -> (Vec<u32>, usize) {

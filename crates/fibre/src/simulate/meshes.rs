@@ -51,7 +51,7 @@ pub(super) fn stem_scene(
         StemChoice::Input => {
             let mut scene = input.ok_or(SimulateError::NoInput)?.clone();
             return Ok(StemScene {
-                notes: repair::close_seams_of_scene(&mut scene, context)?,
+                notes: repair::repair_scene(&mut scene, context)?,
                 scene,
                 location: stem.at,
             });

@@ -1,7 +1,7 @@
 //! Closing of seams: borders that lie on each other but for the last digits, as where texture coordinates end and begin again
 //! and either side worked out its positions by itself. Sine and cosine of 0 and of a whole turn differ so.
 
-use crate::{Cancelled, Context, Mesh, Scene, Unions};
+use crate::{Cancelled, Context, Mesh, Unions};
 use glam::DVec3;
 use rayon::slice::ParallelSliceMut;
 use rustc_hash::FxHashSet;
@@ -10,13 +10,23 @@ use rustc_hash::FxHashSet;
 /// what a mesh shows.
 pub const SEAM_TOLERANCE: f64 = 1e-6;
 
+/// What [`close_seams`] found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosedSeams {
+    /// Number of vertices that were moved.
+    pub moved: usize,
+    /// Within which distance they lay, in the mesh's unit.
+    pub tolerance: f64,
+    /// Whether an edge of the mesh as it came has more than two triangles.
+    pub is_crowded: bool,
+}
+
 /// Moves vertices at borders of a mesh onto those of another border that lie within [`SEAM_TOLERANCE`] of its size. Vertices
-/// stay apart, with attributes of their own; triangles keep their area. Returns how many vertices were moved, and the distance
-/// (in the mesh's unit) within which.
+/// stay apart, with attributes of their own; triangles keep their area.
 ///
 /// # Errors
 /// [`Cancelled`].
-pub fn close_seams(mesh: &mut Mesh, context: &Context) -> Result<(usize, f64), Cancelled> {
+pub fn close_seams(mesh: &mut Mesh, context: &Context) -> Result<ClosedSeams, Cancelled> {
     let tolerance = mesh
         .bounds()
         .map_or(0.0, |(low, high)| SEAM_TOLERANCE * low.distance(high));
@@ -35,29 +45,34 @@ pub fn close_seams(mesh: &mut Mesh, context: &Context) -> Result<(usize, f64), C
     let mut sorted = sides.clone();
     sorted.par_sort_unstable();
     context.check()?;
+    let is_crowded = sorted.windows(3).any(|w| w[0] == w[2]);
     let lone = sorted.chunk_by(|a, b| a == b).filter(|e| e.len() == 1);
     let mut border: Vec<u32> = lone.flat_map(|e| e[0]).collect();
     border.sort_unstable();
     border.dedup();
     let mut joined = Unions::new(count);
     let any = join_near(&border, &places, tolerance, &mut joined);
+    let mut closed = ClosedSeams {
+        moved: 0,
+        tolerance,
+        is_crowded,
+    };
     if !any {
-        return Ok((0, tolerance));
+        return Ok(closed);
     }
     // Nothing is moved where a side of a triangle would vanish.
     let sides = sides.iter().filter(|[a, b]| a != b);
     let vanishing: FxHashSet<u32> = sides
         .filter_map(|[a, b]| Some(joined.root(*a)).filter(|r| *r == joined.root(*b)))
         .collect();
-    let mut moved = 0;
     for (v, &p) in points.iter().enumerate() {
         let root = joined.root(p);
         if root != p && !vanishing.contains(&root) {
             mesh.positions[v] = places[root as usize];
-            moved += 1;
+            closed.moved += 1;
         }
     }
-    Ok((moved, tolerance))
+    Ok(closed)
 }
 
 /// Joins those of the `border` that lie within a tolerance of each other, as numbers of `places`. Returns whether there are any. The
@@ -106,30 +121,6 @@ fn join_near(border: &[u32], places: &[DVec3], tolerance: f64, joined: &mut Unio
     any
 }
 
-/// Closes the seams of all meshes of a scene. Returns a note on each mesh that had one.
-///
-/// # Errors
-/// [`Cancelled`].
-pub fn close_seams_of_scene(
-    scene: &mut Scene,
-    context: &Context,
-) -> Result<Vec<String>, Cancelled> {
-    let mut notes = Vec::new();
-    for node in &mut scene.nodes {
-        let mut mesh = Mesh::clone(&node.mesh);
-        let (moved, within) = close_seams(&mut mesh, context)?;
-        if moved > 0 {
-            node.mesh = mesh.into();
-            let within = within * node.transform.matrix3.determinant().abs().cbrt();
-            notes.push(format!(
-                "sides of seams of \"{}\" lay apart: {moved} vertices were moved onto others within {within:.1e} m",
-                node.name
-            ));
-        }
-    }
-    Ok(notes)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -151,10 +142,10 @@ mod tests {
     #[test]
     fn sides_within_the_tolerance_meet() {
         let mut near = squares(1e-9);
-        assert_eq!(close_seams(&mut near, &Context::quiet()).unwrap().0, 2);
+        assert_eq!(close_seams(&mut near, &Context::quiet()).unwrap().moved, 2);
         assert_eq!(near.points().1, 6);
         let mut far = squares(1e-4);
-        assert_eq!(close_seams(&mut far, &Context::quiet()).unwrap().0, 0);
+        assert_eq!(close_seams(&mut far, &Context::quiet()).unwrap().moved, 0);
         assert_eq!(far, squares(1e-4));
     }
 
@@ -209,11 +200,11 @@ mod tests {
             mesh.positions.extend(corners.map(|c| corner + c));
             mesh.triangles.push([first, first + 1, first + 2]);
         }
-        assert_eq!(close_seams(&mut mesh, &Context::quiet()).unwrap().0, 0);
+        assert_eq!(close_seams(&mut mesh, &Context::quiet()).unwrap().moved, 0);
         mesh.positions[0].x = 1e30;
         let all = mesh.clone();
         // Corners of one triangle are not put together.
-        assert_eq!(close_seams(&mut mesh, &Context::quiet()).unwrap().0, 0);
+        assert_eq!(close_seams(&mut mesh, &Context::quiet()).unwrap().moved, 0);
         assert_eq!(mesh, all);
     }
 
@@ -226,6 +217,9 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        assert_eq!(close_seams(&mut sliver, &Context::quiet()).unwrap().0, 0);
+        assert_eq!(
+            close_seams(&mut sliver, &Context::quiet()).unwrap().moved,
+            0
+        );
     }
 }

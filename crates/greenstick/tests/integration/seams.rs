@@ -1,10 +1,12 @@
-//! Seams of texture coordinates whose sides differ in the last bits are no holes.
+//! Seams of texture coordinates whose sides differ in the last bits are no holes, and edges at which sheets meet none either.
 
+use crate::support::data::data;
 use glam::{DAffine3, DVec3};
 use greenstick::fibre::scene;
+use greenstick::fracture::recipe::Recipe;
 use greenstick::geometry::{Attribute, Context, Mesh, Node, Scene};
 use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
-use greenstick::{BreakRequest, break_scene};
+use greenstick::{Break, BreakRequest, break_scene};
 use std::f64::consts::TAU;
 
 /// A closed tube with a column of vertices of its own on either side of its seam, as sine and cosine make them.
@@ -109,4 +111,26 @@ fn a_seam_that_differs_in_its_last_bits_is_closed_and_reported_in_simulations() 
     );
     let mesh = &filled.unwrap().scene.nodes[0].mesh;
     assert!(mesh.check().closed, "what skins of the run are made of");
+}
+
+/// The scanned stump has an edge of four triangles, across which this break goes.
+#[test]
+fn a_break_goes_across_an_edge_of_more_than_two_triangles() {
+    let scene = greenstick::files::read(&data("stump.glb"), None).unwrap();
+    let report = scene.nodes[0].mesh.check();
+    assert_eq!(report.non_manifold_edges, 1, "{report}");
+    let request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::single(Break {
+            recipe: Recipe::resolve(&[], None, &["seed=2"]).unwrap(),
+            ..Break::default()
+        })
+    };
+    let broken = break_scene(scene, &request, &Context::quiet()).unwrap();
+    let notes = &broken.report.input.repairs;
+    assert!(notes.iter().any(|n| n.contains("shared 1 edge")), "{notes:?}");
+    // The lower piece is open at the ground.
+    let upper = broken.scene.nodes.iter().find(|n| n.name.contains("upper"));
+    let upper = upper.unwrap().mesh.check();
+    assert!(upper.is_solid(), "{upper}");
 }

@@ -117,7 +117,7 @@ impl PreparedStem {
         context: &Context,
     ) -> Result<PreparedStem, StemError> {
         scene.nodes.iter_mut().for_each(orientation::unmirror);
-        let seams = repair::close_seams_of_scene(&mut scene, context)?;
+        let repairs = repair::repair_scene(&mut scene, context)?;
         context.check()?;
         let (meshes, along) = (scene.world_meshes(), neighbours.along());
         let mut found = find_stem_along(&meshes, location, options, along, context)?;
@@ -138,7 +138,7 @@ impl PreparedStem {
                 kind.word()
             ));
         }
-        found.notes.splice(0..0, seams);
+        found.notes.splice(0..0, repairs);
         let (layers, free) = LayeredGrain::from_stem(&found.stem);
         found.stem.usable = free;
         let mut prepared = PreparedStem::from_found(scene, found, layers, context)?;

@@ -1,7 +1,7 @@
 //! Cutting a mesh across a stem: the triangles that a plane crosses about the stem are split, and nothing else.
 
 use glam::{DVec2, DVec3};
-use greenstick_geometry::{Attribute, Mesh};
+use greenstick_geometry::Mesh;
 use greenstick_wood::polygon::area_and_centroid;
 use greenstick_wood::stem::Frame;
 use std::collections::BTreeMap;
@@ -224,10 +224,10 @@ fn split_triangles(
             let (v, w) = if in_order { (a, other) } else { (other, a) };
             *new.entry((v, w)).or_insert_with(|| {
                 let ends = (point_of[v as usize], point_of[w as usize]);
-                vertices.push(mesh.positions.len() as u32);
-                interpolate_attributes(mesh, (v, w), heights.fraction(ends));
-                mesh.positions.push(heights.crossing(ends));
-                mesh.positions.len() as u32 - 1
+                let (t, crossing) = (heights.fraction(ends), heights.crossing(ends));
+                let vertex = mesh.push_vertex_between((v, w), t, crossing);
+                vertices.push(vertex);
+                vertex
             })
         });
         mesh.triangles[triangle] = [a, p, q];
@@ -239,25 +239,4 @@ fn split_triangles(
         own.extend([true; 2]);
     }
     vertices
-}
-
-/// Adds the attributes of a vertex that lies the fraction `t` of the way between two others.
-fn interpolate_attributes(mesh: &mut Mesh, (v, w): (u32, u32), t: f64) {
-    for (name, Attribute { width, data }) in &mut mesh.attributes {
-        let (v, w) = (v as usize * *width, w as usize * *width);
-        let first = data.len();
-        for k in 0..*width {
-            let (a, b) = (f64::from(data[v + k]), f64::from(data[w + k]));
-            data.push((a + (b - a) * t) as f32);
-        }
-        if matches!(name.as_str(), "NORMAL" | "TANGENT") && *width >= 3 {
-            let added = &mut data[first..];
-            let n = DVec3::new(added[0].into(), added[1].into(), added[2].into());
-            let unit = n.normalize_or_zero().as_vec3().to_array();
-            added[..3].copy_from_slice(&unit);
-            if let Some(handedness) = added.get_mut(3) {
-                *handedness = handedness.signum();
-            }
-        }
-    }
 }
