@@ -48,7 +48,20 @@ impl PixelGrid {
 /// Scan conversion of outlines. It holds the crossings of rows, and is reused from one outline to the next for its memory.
 #[derive(Debug, Default)]
 pub(crate) struct ScanConverter {
-    rows: Vec<Vec<(f64, i32)>>,
+    /// Crossings in the order of the outline.
+    crossings: Vec<(u32, Crossing)>,
+    /// The same row by row, and where each row's end.
+    by_row: Vec<Crossing>,
+    ends: Vec<usize>,
+}
+
+/// Where an outline crosses the middle of a row.
+#[derive(Debug, Clone, Copy, Default)]
+struct Crossing {
+    /// In pixels from the grid's corner.
+    x: f64,
+    /// 1 where the outline rises, -1 where it falls.
+    turn: i32,
 }
 
 impl ScanConverter {
@@ -60,15 +73,14 @@ impl ScanConverter {
         outline: &[DVec2],
         mut visit: impl FnMut(usize, Range<usize>),
     ) {
-        let count = grid.count;
-        self.rows.resize_with(count, Vec::new);
+        let count = grid.count as u32;
         let Some(&last) = outline.last() else {
             return;
         };
-        // The first pixel or row whose middle is not below a coordinate.
-        let first = |v: f64| (v - 0.5).ceil().clamp(0.0, count as f64) as usize;
+        self.crossings.clear();
+        self.ends.clear();
+        self.ends.resize(grid.count, 0);
         let mut from = grid.to_pixels(last);
-        let (mut low, mut high) = (count, 0);
         for &p in outline {
             let to = grid.to_pixels(p);
             let (a, b, turn) = if from.y < to.y {
@@ -77,36 +89,60 @@ impl ScanConverter {
                 (to, from, -1)
             };
             from = to;
-            let rows = first(a.y)..first(b.y);
+            let rows = first_middle(a.y, count)..first_middle(b.y, count);
             if rows.is_empty() {
                 continue;
             }
-            (low, high) = (low.min(rows.start), high.max(rows.end));
             let slope = (b.x - a.x) / (b.y - a.y);
             for y in rows {
-                let x = a.x + (y as f64 + 0.5 - a.y) * slope;
-                self.rows[y].push((x, turn));
+                let x = a.x + (f64::from(y) + 0.5 - a.y) * slope;
+                self.crossings.push((y, Crossing { x, turn }));
+                self.ends[y as usize] += 1;
             }
         }
-        for y in low..high {
-            let row = &mut self.rows[y];
-            row.sort_unstable_by(|p, q| p.0.total_cmp(&q.0));
-            let (mut winding, mut start) = (0, 0.0);
-            for &(x, turn) in row.iter() {
+        self.sort_by_row();
+        let mut start = 0;
+        for (y, &end) in self.ends.iter().enumerate() {
+            let row = &mut self.by_row[start..end];
+            start = end;
+            row.sort_unstable_by(|p, q| p.x.total_cmp(&q.x));
+            let (mut winding, mut left) = (0, 0.0);
+            for crossing in row {
                 if winding == 0 {
-                    start = x;
+                    left = crossing.x;
                 }
-                winding += turn;
+                winding += crossing.turn;
                 if winding == 0 {
-                    let pixels = first(start)..first(x);
+                    let pixels = first_middle(left, count)..first_middle(crossing.x, count);
                     if !pixels.is_empty() {
-                        visit(y, pixels);
+                        visit(y, pixels.start as usize..pixels.end as usize);
                     }
                 }
             }
-            row.clear();
         }
     }
+
+    /// Puts the crossings row by row; `ends` holds the number of each row's before, and where they end after.
+    fn sort_by_row(&mut self) {
+        let mut start = 0;
+        for end in &mut self.ends {
+            (*end, start) = (start, start + *end);
+        }
+        self.by_row.resize(start, Crossing::default());
+        for &(y, crossing) in &self.crossings {
+            let end = &mut self.ends[y as usize];
+            self.by_row[*end] = crossing;
+            *end += 1;
+        }
+    }
+}
+
+/// The first pixel or row, of `count`, whose middle is not below a coordinate in pixels.
+fn first_middle(v: f64, count: u32) -> u32 {
+    // Rounded up without a call of `ceil`, for which not every processor has an instruction.
+    let v = (v - 0.5).clamp(0.0, f64::from(count));
+    let whole = v as u32;
+    whole + u32::from(v > f64::from(whole))
 }
 
 /// Returns the pixels within loops (m); a loop within another is a hollow in it.

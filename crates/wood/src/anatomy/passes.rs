@@ -5,7 +5,7 @@
 //! kinds of rings are used in the same way by everything that follows.
 
 use crate::raster::{PixelGrid, ScanConverter};
-use crate::rings::{ConcentricRings, RingField, RingPart, RingSource, ring_numbers};
+use crate::rings::{ConcentricRings, FieldRay, RingField, RingPart, RingSource, ring_numbers};
 use crate::tissue::{Proportions, Zone};
 use glam::DVec2;
 use greenstick_geometry::Bitmap;
@@ -23,11 +23,11 @@ pub fn passes_of_rings(
 ) -> Vec<u16> {
     let mut passes = vec![1; grid.count * grid.count];
     let mut converter = ScanConverter::default();
-    let directions: Vec<(f64, DVec2)> = (0..CORNERS)
+    let rays: Vec<(FieldRay, DVec2)> = (0..CORNERS)
         .map(|j| TAU * j as f64 / CORNERS as f64 - PI)
         .map(|angle| {
             let (sin, cos) = libm::sincos(angle);
-            (angle, DVec2::new(cos, sin))
+            (field.ray(angle), DVec2::new(cos, sin))
         })
         .collect();
     let mut curve = vec![DVec2::ZERO; CORNERS];
@@ -39,8 +39,8 @@ pub fn passes_of_rings(
             if rho <= 0.0 {
                 break;
             }
-            for (p, (angle, direction)) in curve.iter_mut().zip(&directions) {
-                *p = field.pith() + *direction * field.radius(rho, *angle);
+            for (p, (ray, direction)) in curve.iter_mut().zip(&rays) {
+                *p = field.pith() + *direction * ray.radius(rho);
             }
             converter.spans(grid, &curve, |y, pixels| {
                 passes[y * grid.count..][pixels].fill(pass);

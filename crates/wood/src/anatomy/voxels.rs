@@ -62,29 +62,32 @@ impl Anatomy<'_> {
         context.check()?;
         let grid = &self.sections().grid;
         let voxels = grid.count * grid.count;
+        let mut slice = VoxelSlice {
+            rings: vec![0; voxels],
+            tissues: vec![NO_TISSUE; voxels],
+            colours: vec![[0; 3]; voxels],
+            wood_voxels: 0,
+            bridged: 0.0,
+        };
         let Some(section) = self.sections().section(length) else {
-            return Ok(VoxelSlice {
-                rings: vec![0; voxels],
-                tissues: vec![NO_TISSUE; voxels],
-                colours: vec![[0; 3]; voxels],
-                wood_voxels: 0,
-                bridged: 0.0,
-            });
+            return Ok(slice);
         };
         let raster = self.rasterize(&section, grid, context)?;
-        let tissue = |pass: u16| match pass {
-            0 => NO_TISSUE,
-            pass => raster.legend.of(pass).tissue.code(),
-        };
-        let passes = || raster.passes.iter().copied();
-        Ok(VoxelSlice {
-            rings: passes().map(|pass| raster.legend.of(pass).ring).collect(),
-            tissues: passes().map(tissue).collect(),
-            colours: passes()
-                .map(|pass| raster.palette[usize::from(pass)])
-                .collect(),
-            wood_voxels: raster.wood.count(),
-            bridged: section.outline.bridged,
-        })
+        slice.wood_voxels = raster.wood.count();
+        slice.bridged = section.outline.bridged;
+        // Passes come in runs, all of which mean the same.
+        let mut end = 0;
+        for run in raster.passes.chunk_by(|a, b| a == b) {
+            let voxels = end..end + run.len();
+            end = voxels.end;
+            if run[0] == 0 {
+                continue;
+            }
+            let meaning = raster.legend.of(run[0]);
+            slice.rings[voxels.clone()].fill(meaning.ring);
+            slice.tissues[voxels.clone()].fill(meaning.tissue.code());
+            slice.colours[voxels].fill(raster.palette[usize::from(run[0])]);
+        }
+        Ok(slice)
     }
 }

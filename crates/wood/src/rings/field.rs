@@ -102,12 +102,13 @@ impl RingField {
         let eccentricity_onset = eccentricity_onset.unwrap_or_else(|| usual_onset(eccentricity));
         let eccentricity_onset = possible_onset(eccentricity_onset, eccentricity);
         let table = table(&waves, &outer, eccentricity_onset);
-        let means = (0..=LEVELS)
-            .map(|level| {
-                let column = table.iter().skip(level).step_by(LEVELS + 1);
-                column.sum::<f64>() / ANGLES as f64
-            })
-            .collect();
+        let mut means = vec![0.0; LEVELS + 1];
+        for column in table.chunks_exact(LEVELS + 1) {
+            for (sum, radius) in means.iter_mut().zip(column) {
+                *sum += radius;
+            }
+        }
+        means.iter_mut().for_each(|sum| *sum /= ANGLES as f64);
         RingField {
             pith,
             extent,
@@ -178,19 +179,14 @@ impl RingField {
 
     /// Distance (m) from the pith of a ring coordinate at an angle (rad).
     pub fn radius(&self, ring: f64, angle: f64) -> f64 {
+        self.ray(angle).radius(ring)
+    }
+
+    /// The half-line from the pith at an angle (rad), for the radii of many rings on it.
+    pub(crate) fn ray(&self, angle: f64) -> FieldRay<'_> {
         match &self.shape {
-            Shape::Arcs(outer) => ring * outer,
-            Shape::Table { table, .. } => {
-                let column = Column::at(table, angle);
-                let level = (ring * LEVELS as f64).max(0.0);
-                if level >= LEVELS as f64 {
-                    ring * column.radius(LEVELS)
-                } else {
-                    let k = level as usize;
-                    let (a, b) = (column.radius(k), column.radius(k + 1));
-                    a + (b - a) * (level - k as f64)
-                }
-            }
+            Shape::Arcs(outer) => FieldRay::Arcs(*outer),
+            Shape::Table { table, .. } => FieldRay::Table(Column::at(table, angle)),
         }
     }
 
@@ -239,8 +235,32 @@ impl RingField {
     }
 }
 
+/// A half-line from the pith of a [`RingField`].
+pub(crate) enum FieldRay<'a> {
+    /// Radius of ρ = 1, m.
+    Arcs(f64),
+    Table(Column<'a>),
+}
+
+impl FieldRay<'_> {
+    /// Distance (m) from the pith of a ring coordinate.
+    pub fn radius(&self, ring: f64) -> f64 {
+        let column = match self {
+            FieldRay::Arcs(outer) => return ring * outer,
+            FieldRay::Table(column) => column,
+        };
+        let level = (ring * LEVELS as f64).max(0.0);
+        if level >= LEVELS as f64 {
+            return ring * column.radius(LEVELS);
+        }
+        let k = level as usize;
+        let (a, b) = (column.radius(k), column.radius(k + 1));
+        a + (b - a) * (level - k as f64)
+    }
+}
+
 /// The radii at one angle, between two directions of the table.
-struct Column<'a> {
+pub(crate) struct Column<'a> {
     a: &'a [f64],
     b: &'a [f64],
     t: f64,

@@ -22,6 +22,7 @@ pub use erosion::{
     KernelListError, KernelSchedule, NOT_ERODED, Pass, PixelCircle, ScheduleError, erode,
     erode_from_both_sides, erosion_passes, ring_numbers,
 };
+pub(crate) use field::FieldRay;
 pub use field::RingField;
 pub use onset::ONSET_RANGE;
 pub use pith::{PITH_OFFSET_RMS, estimate_pith};
