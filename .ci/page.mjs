@@ -280,21 +280,23 @@ await rest(6000);
 check('that the wood rests after a stop', (await frames()) <= given_up + 1);
 say(`the wood was pulled on, and ${given_up} frames of it were drawn`);
 
-// A mesh of one's own, by the settings as they come but for the seed: by 2, the break would cut an edge of this one that has more than two triangles.
+// A mesh of one's own, by the settings as they come; it is dropped while the branch is still worked on.
+const working = () => page.evaluate(() => performance.getEntriesByName('progress').length > 0);
 await page.goto('about:blank');
-await page.goto(`${address}#break.seed=5`);
-await wait('a picture before a mesh', async () => (await pictures()) > 0);
+await page.goto(address);
+await wait('work on the branch', working);
 await drop(basename(mesh), readFileSync(mesh));
 await wait('the name of the mesh in the address', async () => (await hash()).includes(`input=${basename(mesh)}`));
 await page.keyboard.press('n');
-await wait('another seed', async () => (await hash()).includes('seed=6'));
+await wait('another seed', async () => (await hash()).includes('seed=2'));
+await wait('a picture of the mesh', async () => (await pictures()) > 0);
 await shot('mesh');
 await compare('mesh', mesh);
 
 // Work that takes long is stopped, and other work goes on. The address of long work is as anybody would type it.
 await page.goto('about:blank');
 await page.goto(`${address}#break.rings=400&break.sectors=800`);
-await wait('long work', () => page.evaluate(() => performance.getEntriesByName('progress').length > 0));
+await wait('long work', working);
 const { ended } = workers;
 await page.keyboard.press('Escape');
 await wait('the end of a worker', async () => workers.ended > ended);
