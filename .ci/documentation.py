@@ -6,7 +6,7 @@ Usage: documentation.py GREENSTICK [--page NAME] [--folder FOLDER]
 What runs are the lines of blocks marked `sh` and the spans of code in paragraphs that begin with `greenstick` and are whole: no
 names of commands alone, no placeholders such as FILE, no `…`. What a page's commands write stays for the next. A command fails
 that ends with another code than 0, or takes longer than 60 s. Results that many commands share, such as `simulate bend -o run`,
-are made once. So that all of it takes four minutes on two cores, pictures are drafts, simulations end early (`SHORTER`, `FEWER`), and
+are made once. So that all of it takes four minutes on two cores, pictures are drafts, textures small, simulations end early (`SHORTER`, `FEWER`), and
 bend tests have fewer specimens (`FEWER`); the shared run ends after its stem has broken. That changes how long commands take, not whether
 they run. What is left out stands in `EXCLUDED`, with the reason. Needs laspy with lazrs, and trimesh.
 """
@@ -61,7 +61,7 @@ EXCLUDED = {
 SHORTER = {
     "greenstick simulate bend -o run": "--duration 0.2 --no-pictures",
     "greenstick simulate": "--duration 0.02 --no-pictures",
-    "greenstick break": "--draft",
+    "greenstick break": "--draft --texture-size 128",
     "greenstick skin": "--draft",
 }
 
@@ -221,15 +221,13 @@ def shortened(command: str) -> str:
     """A command as it is run here."""
     for words, fewer in FEWER.items():
         command = command.replace(words, fewer)
+    if "--list" in command or "--save-scene" in command:
+        return command
     for start, more in SHORTER.items():
         if command.startswith(start):
-            return command if has_option(command, more) else f"{command.split(' #')[0].rstrip()} {more}"
+            options = re.findall(r"--\S+(?: [^-]\S*)?", more)
+            return " ".join([command.split(" #")[0].rstrip(), *(o for o in options if o.split()[0] not in command)])
     return command
-
-
-def has_option(command: str, more: str) -> bool:
-    """Whether a command already has the first of further options, or takes none."""
-    return more.split()[0] in command or "--list" in command or "--save-scene" in command
 
 
 def main() -> int:

@@ -98,7 +98,7 @@ parameters! {
             /// Format of the pieces of a break, or of what the last frame of a simulation shows; "auto" is glb for breaks, and
             /// none for simulations. Bending tests have no pieces. Of a forest, format of the scene: glb, gltf or none.
             file: Option<PieceFormat> = None, choice(PieceFormat::CHOICES).auto();
-            /// Whether the wood inside gets textures.
+            /// Whether the wood inside gets textures. Where no file is written it gets none.
             textures: bool = true, flag();
             /// Variants that are shown on the contact sheet, evenly spread over all; 0 for none.
             sheet: u32 = 24, count(0, 400);
@@ -162,6 +162,11 @@ impl SweepSettings {
             (SweepKind::Scene | SweepKind::BendTest, None) => PieceFormat::None,
             (_, Some(format)) => format,
         }
+    }
+
+    /// Whether the wood inside of pieces gets textures: of those of which a file is written.
+    pub(crate) fn bakes_textures(&self) -> bool {
+        self.textures && self.piece_format() != PieceFormat::None
     }
 
     /// The ending of the scene of a forest; `None` where none is written.

@@ -169,7 +169,7 @@ impl<'a> Worker<'a> {
             Some(forest) => {
                 let (tree, textures) = (
                     &forest.trees()[number as usize],
-                    self.sweep.settings.textures,
+                    self.sweep.settings.bakes_textures(),
                 );
                 forest.broken(tree, (file, textures), context)?
             }
@@ -231,7 +231,7 @@ impl<'a> Worker<'a> {
             loaded.input.place = first;
         }
         let mut request = loaded.input.request(file);
-        if !self.sweep.settings.textures {
+        if !self.sweep.settings.bakes_textures() {
             request.texture_width = 0;
         }
         let broken = loaded.session.broken(&request, context);
