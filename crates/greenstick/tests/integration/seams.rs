@@ -128,7 +128,10 @@ fn a_break_goes_across_an_edge_of_more_than_two_triangles() {
     };
     let broken = break_scene(scene, &request, &Context::quiet()).unwrap();
     let notes = &broken.report.input.repairs;
-    assert!(notes.iter().any(|n| n.contains("shared 1 edge")), "{notes:?}");
+    assert!(
+        notes.iter().any(|n| n.contains("shared 1 edge")),
+        "{notes:?}"
+    );
     // The lower piece is open at the ground.
     let upper = broken.scene.nodes.iter().find(|n| n.name.contains("upper"));
     let upper = upper.unwrap().mesh.check();
