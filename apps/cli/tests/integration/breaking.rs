@@ -260,6 +260,7 @@ fn several_breaks_of_a_bent_stem_leave_no_triangles_that_cross() {
     for setting in ["break.seed=2", "break.fuzz=0", "break.splinter_lean=0"] {
         run.extend(["--set", setting]);
     }
+    run.extend(["--texture-size", "64"]);
     let run = folder.run(&run);
     assert_eq!(run.code, 0, "{}", run.err);
     let check = folder.run(&["check", "--json", "three.glb"]);

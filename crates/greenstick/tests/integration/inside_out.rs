@@ -5,7 +5,11 @@ use greenstick::geometry::{Context, Scene};
 use greenstick::{BreakRequest, Broken, break_scene, built_in_branch};
 
 fn broken(scene: Scene) -> Broken {
-    break_scene(scene, &BreakRequest::default(), &Context::quiet()).unwrap()
+    let request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::default()
+    };
+    break_scene(scene, &request, &Context::quiet()).unwrap()
 }
 
 /// Volumes of both pieces in the world, m³; both must be closed.

@@ -348,11 +348,14 @@ fn twisted_breaks_where_vertices_lie_at_levels_do_not_cross() {
 
 /// Breaks a scene with the preset `twist` at a fraction of its stem; both pieces have no crossing triangles.
 fn assert_no_twisted_crossings((name, scene, place): (&str, Scene, f64)) {
-    let request = BreakRequest::single(Break {
-        place: StemLocation::Fraction(place),
-        recipe: Recipe::resolve(&["twist"], None, &[]).unwrap(),
-        ..Break::default()
-    });
+    let request = BreakRequest {
+        texture_width: 0,
+        ..BreakRequest::single(Break {
+            place: StemLocation::Fraction(place),
+            recipe: Recipe::resolve(&["twist"], None, &[]).unwrap(),
+            ..Break::default()
+        })
+    };
     let closed = scene.nodes[0].mesh.check_with(QUICK).closed;
     let broken = break_scene(scene, &request, &Context::quiet()).unwrap();
     for node in &broken.scene.nodes[..2] {

@@ -65,7 +65,11 @@ fn a_seam_that_differs_in_its_last_bits_is_closed_and_reported() {
     assert!(!mesh.check().closed, "its seam is open to the last bit");
     let vertices = mesh.positions.len();
     let scene = scene_of(mesh);
-    let broken = break_scene(scene, &BreakRequest::default(), &Context::quiet()).unwrap();
+    let request = BreakRequest {
+        texture_width: 16,
+        ..BreakRequest::default()
+    };
+    let broken = break_scene(scene, &request, &Context::quiet()).unwrap();
     let input = &broken.report.input;
     assert!(input.closed, "{}", broken.report);
     let note = input.repairs.iter().find(|n| n.contains("seams"));
