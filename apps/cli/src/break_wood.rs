@@ -84,7 +84,8 @@ fn break_once(
         progress.split([("read", 0.5), ("break", 2.0), ("write", targets.seconds())]);
     let mut source = Input::of_request(file, input.as_deref(), &read)?;
     targets.check(&source.files)?;
-    let request = source.request(file);
+    let mut request = source.request(file);
+    request.texture_width = targets.texture_width(request.texture_width);
     let mut scene = std::mem::take(&mut source.scene);
     if let (Some(input), Some(pieces)) = (input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);

@@ -128,6 +128,17 @@ impl OutputFormat {
         all.find(|f| f.extension() == extension)
     }
 
+    /// Whether files of the format have materials with textures.
+    pub fn holds_textures(self) -> bool {
+        match self {
+            OutputFormat::Mesh(format) => {
+                matches!(format, Format::Gltf | Format::Glb | Format::Obj)
+            }
+            #[cfg(feature = "usd")]
+            OutputFormat::Usd(_) => true,
+        }
+    }
+
     /// The extension of file names, without the dot.
     pub fn extension(self) -> &'static str {
         match self {

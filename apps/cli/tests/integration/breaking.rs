@@ -270,6 +270,31 @@ fn several_breaks_of_a_bent_stem_leave_no_triangles_that_cross() {
     }
 }
 
+/// Textures are baked only for files that hold them.
+#[test]
+fn pictures_and_shapes_are_the_same_without_textures() {
+    let folder = Folder::new();
+    let with_textures = ["-o", "with.glb", "--picture", "with.png"];
+    for arguments in [&with_textures[..], &["--picture", "alone.png"]] {
+        let run = folder.quick(arguments);
+        assert_eq!(run.code, 0, "{}", run.err);
+    }
+    assert!(folder.read("with.png") == folder.read("alone.png"));
+    for (name, size) in [("default.off", "256"), ("least.off", "8")] {
+        let run = folder.run(&[
+            "break",
+            "--set",
+            "rings=8",
+            "-o",
+            name,
+            "--texture-size",
+            size,
+        ]);
+        assert_eq!(run.code, 0, "{}", run.err);
+    }
+    assert!(folder.read("default.off") == folder.read("least.off"));
+}
+
 #[test]
 fn units_scale_and_parts_move() {
     let folder = Folder::new();
