@@ -3,6 +3,7 @@
 
 use crate::light::{Light, luminance};
 use crate::surface::{Met, Place};
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// The kernels of a quadratic and a cubic B-spline.
@@ -18,9 +19,6 @@ const NORMAL_TOLERANCE: f32 = 0.02;
 const DEVIATIONS: f32 = 5.0;
 /// Least standard deviations of the share of a lamp, and of indirect light relative to its luminance.
 const MIN_DEVIATION: f32 = 0.01;
-/// Number of values that are filtered, each with its own variance: the shares of the lamps and the luminance of indirect light.
-const VALUES: usize = 3;
-
 /// The places that pixels see.
 #[derive(Clone, Copy)]
 pub(crate) struct Neighbours<'a> {
@@ -74,16 +72,42 @@ pub(crate) fn likeness(here: &Place, there: &Place) -> f32 {
     1.0 / (difference * difference)
 }
 
-/// Light with the variance of its values.
+/// Light with the variance of its [`values`].
 #[derive(Clone, Copy, Default)]
 struct Noisy {
     light: Light,
-    variance: [f32; VALUES],
+    variance: Vec4,
 }
 
-/// The values whose variance is kept.
-fn values(light: &Light) -> [f32; VALUES] {
-    [light.lamps[0], light.lamps[1], luminance(light.indirect)]
+/// What is filtered, each with a variance of its own: the shares of the lamps and the luminance of indirect light; the last is 0.
+fn values(light: &Light) -> Vec4 {
+    let [key, rim] = light.lamps;
+    Vec4::new(key, rim, luminance(light.indirect), 0.0)
+}
+
+/// The sum of weighted light; each of its values has a weight of its own.
+#[derive(Default)]
+struct WeightedLight {
+    lamps: Vec4,
+    indirect: Vec3,
+    total: Vec4,
+}
+
+impl WeightedLight {
+    #[inline]
+    fn add(&mut self, light: &Light, values: Vec4, weights: Vec4) {
+        self.lamps += values * weights;
+        self.indirect += light.indirect * weights.z;
+        self.total += weights;
+    }
+
+    fn mean(&self) -> Light {
+        let lamps = self.lamps / self.total;
+        Light {
+            lamps: [lamps.x, lamps.y],
+            indirect: self.indirect / self.total.z,
+        }
+    }
 }
 
 /// Filters the light of all pixels.
@@ -101,11 +125,14 @@ pub(crate) fn smooth(neighbours: &Neighbours, light: Vec<Light>) -> Vec<Light> {
 /// The values at all pixels, in rows.
 fn each(neighbours: &Neighbours, value: impl Fn([usize; 2]) -> Noisy + Sync) -> Vec<Noisy> {
     let [width, height] = neighbours.size;
-    let value = &value;
-    (0..height)
-        .into_par_iter()
-        .flat_map_iter(move |y| (0..width).map(move |x| value([x, y])))
-        .collect()
+    let mut all = vec![Noisy::default(); width * height];
+    let rows = all.par_chunks_mut(width).enumerate();
+    rows.for_each(|(y, row)| {
+        for (x, noisy) in row.iter_mut().enumerate() {
+            *noisy = value([x, y]);
+        }
+    });
+    all
 }
 
 /// Averages alike places nearby whatever their light, which removes single outliers, and finds the variance of the mean.
@@ -115,10 +142,9 @@ fn first_pass(neighbours: &Neighbours, light: &[Light], at: [usize; 2]) -> Noisy
     if here.met.is_unlit() {
         return Noisy::default();
     }
-    let mut sum = Noisy::default();
-    let mut squares = [0.0; VALUES];
-    let mut first = [0.0; VALUES];
-    let (mut total, mut total_squared) = (0.0, 0.0);
+    let mut sum = WeightedLight::default();
+    let (mut first, mut squares) = (Vec4::ZERO, Vec4::ZERO);
+    let mut total_squared = 0.0;
     for (dy, row) in (-2..).zip(WIDE) {
         for (dx, column) in (-2..).zip(WIDE) {
             let Some(index) = neighbours.index(at, [dx, dy]) else {
@@ -129,28 +155,21 @@ fn first_pass(neighbours: &Neighbours, light: &[Light], at: [usize; 2]) -> Noisy
                 continue;
             }
             let there = &light[index];
-            for c in 0..2 {
-                sum.light.lamps[c] += there.lamps[c] * weight;
-            }
-            sum.light.indirect += there.indirect * weight;
-            for (c, v) in values(there).into_iter().enumerate() {
-                first[c] += v * weight;
-                squares[c] += v * v * weight;
-            }
-            total += weight;
+            let v = values(there);
+            sum.add(there, v, Vec4::splat(weight));
+            first += v * weight;
+            squares += v * v * weight;
             total_squared += weight * weight;
         }
     }
-    let mean = 1.0 / total;
-    sum.light.lamps = sum.light.lamps.map(|v| v * mean);
-    sum.light.indirect *= mean;
-    for c in 0..VALUES {
-        let m = first[c] * mean;
-        // The variance of the mean of weighted values.
-        let own = (squares[c] * mean - m * m).max(0.0);
-        sum.variance[c] = own * total_squared * mean * mean;
+    let mean = 1.0 / sum.total.x;
+    let m = first * mean;
+    // The variance of the mean of weighted values.
+    let own = (squares * mean - m * m).max(Vec4::ZERO);
+    Noisy {
+        light: sum.mean(),
+        variance: own * (total_squared * mean * mean),
     }
-    sum
 }
 
 /// Averages alike places whose light differs by no more than noise.
@@ -162,11 +181,11 @@ fn further_pass(neighbours: &Neighbours, noisy: &[Noisy], at: [usize; 2], distan
         return own;
     }
     let own_values = values(&own.light);
-    let least = [1.0, 1.0, own_values[2]].map(|scale| MIN_DEVIATION * scale + 1e-6);
-    let tolerance: [f32; VALUES] =
-        std::array::from_fn(|c| DEVIATIONS * DEVIATIONS * (own.variance[c] + least[c] * least[c]));
-    let mut sum = Noisy::default();
-    let mut total = [0.0; VALUES];
+    let scale = Vec4::new(1.0, 1.0, own_values.z, 1.0);
+    let least = scale * MIN_DEVIATION + Vec4::splat(1e-6);
+    let tolerance = (own.variance + least * least) * (DEVIATIONS * DEVIATIONS);
+    let mut sum = WeightedLight::default();
+    let mut variance = Vec4::ZERO;
     for (dy, row) in (-1..).zip(NARROW) {
         for (dx, column) in (-1..).zip(NARROW) {
             let Some(index) = neighbours.index(at, [dx * distance, dy * distance]) else {
@@ -178,30 +197,15 @@ fn further_pass(neighbours: &Neighbours, noisy: &[Noisy], at: [usize; 2], distan
             }
             let there = &noisy[index];
             let there_values = values(&there.light);
-            let weights: [f32; VALUES] = std::array::from_fn(|c| {
-                let difference = there_values[c] - own_values[c];
-                let d = 1.0 + difference * difference / tolerance[c];
-                alike / (d * d)
-            });
-            for ((lamp, share), weight) in (sum.light.lamps.iter_mut())
-                .zip(there.light.lamps)
-                .zip(weights)
-            {
-                *lamp += share * weight;
-            }
-            sum.light.indirect += there.light.indirect * weights[2];
-            for c in 0..VALUES {
-                sum.variance[c] += there.variance[c] * weights[c] * weights[c];
-                total[c] += weights[c];
-            }
+            let difference = there_values - own_values;
+            let d = Vec4::ONE + difference * difference / tolerance;
+            let weights = alike / (d * d);
+            sum.add(&there.light, there_values, weights);
+            variance += there.variance * weights * weights;
         }
     }
-    for (lamp, total) in sum.light.lamps.iter_mut().zip(total) {
-        *lamp /= total;
+    Noisy {
+        light: sum.mean(),
+        variance: variance / (sum.total * sum.total),
     }
-    sum.light.indirect /= total[2];
-    for (variance, total) in sum.variance.iter_mut().zip(total) {
-        *variance /= total * total;
-    }
-    sum
 }
