@@ -268,12 +268,14 @@ impl ShearedRay {
         let [kx, ky, kz] = self.axes;
         let [sx, sy, sz] = self.shear;
         let origin = self.origin.to_array();
-        // Coordinates in the sheared frame, and along the ray.
-        let [a, b, c] = [0, 1, 2].map(|k| {
-            let from = |axis: usize| leaf.corners[k][axis] - Vec4::splat(origin[axis]);
+        // Coordinates in the sheared frame, and along the ray. Corner by corner: `map` of an array is called, not inlined.
+        let sheared = |corner: &[Vec4; 3]| {
+            let from = |axis: usize| corner[axis] - Vec4::splat(origin[axis]);
             let along = from(kz);
             [from(kx) - sx * along, from(ky) - sy * along, along]
-        });
+        };
+        let [first, second, third] = &leaf.corners;
+        let (a, b, c) = (sheared(first), sheared(second), sheared(third));
         let mut u = c[0] * b[1] - c[1] * b[0];
         let mut v = a[0] * c[1] - a[1] * c[0];
         let mut w = b[0] * a[1] - b[1] * a[0];
@@ -291,6 +293,9 @@ impl ShearedRay {
         }
         let is_outside = (u.cmplt(zero) | v.cmplt(zero) | w.cmplt(zero))
             & (u.cmpgt(zero) | v.cmpgt(zero) | w.cmpgt(zero));
+        if is_outside.all() {
+            return (0, zero, [zero; 3]);
+        }
         let determinant = u + v + w;
         let inverse = 1.0 / determinant;
         let distance = (u * a[2] + v * b[2] + w * c[2]) * sz * inverse;
@@ -298,7 +303,11 @@ impl ShearedRay {
             & determinant.cmpne(zero)
             & distance.cmpgt(zero)
             & distance.cmple(Vec4::splat(max_distance));
-        (is_met.bitmask(), distance, [u, v, w].map(|x| x * inverse))
+        (
+            is_met.bitmask(),
+            distance,
+            [u * inverse, v * inverse, w * inverse],
+        )
     }
 }
 

@@ -61,14 +61,22 @@ pub(super) fn concrete(place: Vec2, footprint: f32) -> GroundSurface {
     // Octaves lie at angles to each other, so that their lattices do not show.
     let noise = |k: u32, size: Vec2| value(SEED ^ k << 8, turned(place, k) / size);
     let mut shade = 0.0;
+    // Light that is reflected again comes from places with large footprints, of which hardly a detail is seen.
+    let seen = |size: f32| Some(visible(size, footprint)).filter(|seen| *seen > 0.0);
     for ((size, share), k) in CLOUDS.into_iter().zip(1..) {
-        shade += share * visible(size, footprint) * noise(k, Vec2::splat(size));
+        if let Some(seen) = seen(size) {
+            shade += share * seen * noise(k, Vec2::splat(size));
+        }
     }
     for ((size, share), k) in PATCHES.into_iter().zip(56..) {
-        shade += share * visible(size, footprint) * patch_at(place, size, k);
+        if let Some(seen) = seen(size) {
+            shade += share * seen * patch_at(place, size, k);
+        }
     }
     shade += SCUFFS.at(place, footprint);
-    shade += STROKES.1 * visible(STROKES.0.y, footprint) * noise(8, STROKES.0);
+    if let Some(seen) = seen(STROKES.0.y) {
+        shade += STROKES.1 * seen * noise(8, STROKES.0);
+    }
     let mut slope = Vec2::ZERO;
     for ((size, share, height), k) in SAND.into_iter().zip(16..) {
         let seen = visible(size, footprint);
