@@ -6,7 +6,7 @@ use crate::outcome::{Written, spent};
 use crate::progress::{StageTime, split};
 use greenstick::RequestFile;
 use greenstick::files::{self, Output};
-use greenstick::formats::{LengthUnit, OutputFormat};
+use greenstick::formats::LengthUnit;
 use greenstick::geometry::{Context, Scene};
 use greenstick::picture::{Picture, PictureError};
 use std::fmt::Write;
@@ -16,9 +16,6 @@ use std::path::{Path, PathBuf};
 const DEFAULT_OUTPUT: &str = "broken.glb";
 /// Default name of the picture.
 const DEFAULT_PICTURE: &str = "broken.png";
-
-/// Width of textures that no file holds, pixels: the least that can be asked for. The geometry is that of any width.
-const UNSEEN_TEXTURE_WIDTH: u32 = 8;
 
 /// Seconds that encoding and writing take, and those of a picture.
 const SECONDS: [f64; 2] = [0.2, 8.0];
@@ -83,15 +80,6 @@ impl Targets {
             files::check_writable(path)?;
         }
         Ok(())
-    }
-
-    /// The width of textures that are baked where so many pixels were asked for: pictures do without, and so do some formats.
-    pub fn texture_width(&self, asked: u32) -> u32 {
-        let format = self.pieces.as_deref().and_then(OutputFormat::from_path);
-        match format.is_some_and(OutputFormat::holds_textures) {
-            true => asked,
-            false => asked.min(UNSEEN_TEXTURE_WIDTH),
-        }
     }
 
     /// About the seconds that [`Targets::write`] takes.

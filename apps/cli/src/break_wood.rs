@@ -7,7 +7,7 @@ use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
 use crate::values;
 use greenstick::files;
-use greenstick::formats::{InputFormat, LengthUnit};
+use greenstick::formats::{InputFormat, LengthUnit, OutputFormat};
 use greenstick::geometry::Provenance;
 use greenstick::schema::{Field, ParameterError, Parameters};
 use greenstick::{Break, BreakReport, RequestFile, RequestFileError};
@@ -85,7 +85,8 @@ fn break_once(
     let mut source = Input::of_request(file, input.as_deref(), &read)?;
     targets.check(&source.files)?;
     let mut request = source.request(file);
-    request.texture_width = targets.texture_width(request.texture_width);
+    request.texture_width =
+        OutputFormat::texture_width(targets.pieces.as_deref(), request.texture_width);
     let mut scene = std::mem::take(&mut source.scene);
     if let (Some(input), Some(pieces)) = (input, &targets.pieces) {
         files::carry_images(&mut scene, input, pieces);

@@ -102,6 +102,9 @@ impl CloudFormat {
     }
 }
 
+/// Width of textures that no file holds, pixels: the least that can be asked for.
+const UNSEEN_TEXTURE_WIDTH: u32 = 8;
+
 /// A file format that a scene can be written in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum OutputFormat {
@@ -136,6 +139,16 @@ impl OutputFormat {
             }
             #[cfg(feature = "usd")]
             OutputFormat::Usd(_) => true,
+        }
+    }
+
+    /// The width of the textures to bake for the file `path`, if any, where so many pixels were `asked` for: some formats hold none, and
+    /// pictures do without. The geometry of pieces is the same for all widths but 0.
+    pub fn texture_width(path: Option<&Path>, asked: u32) -> u32 {
+        let format = path.and_then(OutputFormat::from_path);
+        match format.is_some_and(OutputFormat::holds_textures) {
+            true => asked,
+            false => asked.min(UNSEEN_TEXTURE_WIDTH),
         }
     }
 

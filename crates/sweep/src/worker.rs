@@ -9,7 +9,7 @@ use crate::plan::{PieceFormat, Sweep};
 use crate::trials::{Simulator, bend_figures};
 use crate::variant::Variant;
 use greenstick::files::{self, FileError, Output};
-use greenstick::formats::LengthUnit;
+use greenstick::formats::{LengthUnit, OutputFormat};
 use greenstick::geometry::{Cancelled, Context};
 use greenstick::scanning::ScanParameters;
 use greenstick::wood::stem::StemLocation;
@@ -231,9 +231,10 @@ impl<'a> Worker<'a> {
             loaded.input.place = first;
         }
         let mut request = loaded.input.request(file);
-        if !self.sweep.settings.bakes_textures() {
-            request.texture_width = 0;
-        }
+        request.texture_width = match self.sweep.settings.bakes_textures() {
+            true => OutputFormat::texture_width(target, request.texture_width),
+            false => 0,
+        };
         let broken = loaded.session.broken(&request, context);
         let mut broken = match broken {
             Ok(broken) => broken,
