@@ -6,9 +6,9 @@ Usage: documentation.py GREENSTICK [--page NAME] [--folder FOLDER]
 What runs are the lines of blocks marked `sh` and the spans of code in paragraphs that begin with `greenstick` and are whole: no
 names of commands alone, no placeholders such as FILE, no `…`. What a page's commands write stays for the next. A command fails
 that ends with another code than 0, or takes longer than 60 s. Results that many commands share, such as `simulate bend -o run`,
-are made once. So that all of it takes four minutes on two cores, pictures are drafts, textures small, simulations end early (`SHORTER`, `FEWER`), and
-bend tests have fewer specimens (`FEWER`); the shared run ends after its stem has broken. That changes how long commands take, not whether
-they run. What is left out stands in `EXCLUDED`, with the reason. Needs laspy with lazrs, and trimesh.
+are made once. So that all of it takes four minutes on two cores, pictures are drafts, textures small, simulations end early (`SHORTER`,
+`FEWER`), and bend tests have fewer specimens; the shared run ends after its stem has broken. That changes how long commands take,
+not whether they run. What is left out stands in `EXCLUDED`, with the reason. Needs laspy with lazrs, and trimesh.
 """
 
 import argparse
@@ -161,8 +161,8 @@ class Runner:
         self.places, self.all_places = threading.Semaphore(AT_A_TIME), threading.Lock()
 
     def run(self, command: str, folder: Path) -> tuple[float, str]:
-        """Runs a command; its seconds, and what is wrong with how it ended. What takes too long beside another command is run again,
-        alone, as the limit is one of both cores."""
+        """Runs a command; its seconds, and what is wrong with how it ended. One that takes too long beside another is run again
+        alone: the limit is that of one command on both cores."""
         with self.places:
             outcome = self.run_once(command, folder)
         if outcome is None:
@@ -175,7 +175,7 @@ class Runner:
         return outcome or (self.limit_s, f"longer than {self.limit_s:.0f} s, alone on both cores")
 
     def run_once(self, command: str, folder: Path) -> tuple[float, str] | None:
-        """The same without another try; None of what took too long."""
+        """The same without a second try; None where it took too long."""
         started = time.monotonic()
         try:
             done = subprocess.run(

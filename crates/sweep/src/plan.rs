@@ -164,7 +164,7 @@ impl SweepSettings {
         }
     }
 
-    /// Whether the wood inside of pieces gets textures: of those of which a file is written.
+    /// Whether textures are baked: only where pieces are written to files.
     pub(crate) fn bakes_textures(&self) -> bool {
         self.textures && self.piece_format() != PieceFormat::None
     }

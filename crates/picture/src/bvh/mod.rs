@@ -268,7 +268,7 @@ impl ShearedRay {
         let [kx, ky, kz] = self.axes;
         let [sx, sy, sz] = self.shear;
         let origin = self.origin.to_array();
-        // Coordinates in the sheared frame, and along the ray. Corner by corner: `map` of an array is called, not inlined.
+        // Coordinates in the sheared frame, and along the ray. `map` on an array of them would not be inlined.
         let sheared = |corner: &[Vec4; 3]| {
             let from = |axis: usize| corner[axis] - Vec4::splat(origin[axis]);
             let along = from(kz);

@@ -61,7 +61,7 @@ pub(super) fn concrete(place: Vec2, footprint: f32) -> GroundSurface {
     // Octaves lie at angles to each other, so that their lattices do not show.
     let noise = |k: u32, size: Vec2| value(SEED ^ k << 8, turned(place, k) / size);
     let mut shade = 0.0;
-    // Light that is reflected again comes from places with large footprints, of which hardly a detail is seen.
+    // What a footprint averages away is not worked out.
     let seen = |size: f32| Some(visible(size, footprint)).filter(|seen| *seen > 0.0);
     for ((size, share), k) in CLOUDS.into_iter().zip(1..) {
         if let Some(seen) = seen(size) {
