@@ -295,7 +295,7 @@ class RequestAttributes:
     def samples(self, value: int | str) -> None: ...
     @property
     def draft(self) -> bool:
-        """Renders a rough picture quickly: at half the width and height, with at most four camera rays for a pixel, enlarged."""
+        """Renders a rough picture quickly: at a third of the width and height, with at most four camera rays for a pixel, enlarged, and without grain unless it is asked for."""
     @draft.setter
     def draft(self, value: bool) -> None: ...
     @property

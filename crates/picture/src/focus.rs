@@ -26,9 +26,13 @@ const SHARP_RADIUS: f32 = 0.75;
 const COARSE_RADIUS: f32 = 4.0;
 /// Radius from which on what is before cells is blurred as they are: what is sharper would have their edges.
 const BLURRED_RADIUS: f32 = 1.5;
+/// Difference of the nearness of pixels from that of their cell, as a part of it, up to which one surface is seen.
+const ALIKE: f32 = 0.01;
 /// Side of a cell, and of the blocks of pixels of which it is known what reaches into them, pixels.
 const CELL: usize = 2;
 const BLOCK: usize = 16;
+/// Middle of a cell from that of its first pixel along one axis, pixels.
+const MIDDLE: f32 = 0.5 * (CELL as f32 - 1.0);
 
 /// Where a camera sees things.
 pub(crate) struct Distances {
@@ -104,6 +108,22 @@ impl Lens {
     }
 }
 
+/// What a camera is focused on in a picture.
+pub(crate) struct Focus {
+    pub lens: Lens,
+    pub distances: Distances,
+    /// Height of the picture, pixels.
+    pub height: usize,
+}
+
+impl Focus {
+    /// The radius of the disc over which what is seen at a place is spread, pixels.
+    pub fn radius(&self, place: &Place) -> f32 {
+        self.lens
+            .radius(self.distances.nearness(place), self.height)
+    }
+}
+
 /// What is spread over a disc: a layer of a pixel, or what layers of a cell have in common.
 #[derive(Clone, Copy)]
 struct Spot {
@@ -140,6 +160,8 @@ pub(crate) struct Spreading {
     /// of pixels are added up.
     cells: Vec<[Spot; 2]>,
     cell_columns: usize,
+    /// The radiance that a lens shows in the middle of each cell that it only blurs: one surface, where nothing reaches that is sharper.
+    blurred: Vec<Option<Vec3>>,
     reaches: Vec<Reach>,
     block_columns: usize,
 }
@@ -182,10 +204,13 @@ impl Spreading {
             spots,
             cells,
             cell_columns,
+            blurred: Vec::new(),
             reaches: Vec::new(),
             block_columns: columns.div_ceil(BLOCK),
         };
         spreading.reaches = spreading.reaches_into(&spreading.reaches_of_blocks());
+        let cells = (0..spreading.cells.len()).into_par_iter();
+        spreading.blurred = cells.map(|cell| spreading.blurred(cell)).collect();
         spreading
     }
 
@@ -230,9 +255,62 @@ impl Spreading {
         (0..own.len()).map(around).collect()
     }
 
+    fn reach(&self, at: [usize; 2]) -> Reach {
+        self.reaches[at[1] / BLOCK * self.block_columns + at[0] / BLOCK]
+    }
+
+    /// The radiance that a lens shows in the middle of a cell that it only blurs.
+    fn blurred(&self, cell: usize) -> Option<Vec3> {
+        let [columns, rows] = self.size;
+        let [x, y] = [
+            cell % self.cell_columns * CELL,
+            cell / self.cell_columns * CELL,
+        ];
+        let reach = self.reach([x, y]);
+        if x + CELL > columns || y + CELL > rows || reach.fine > SHARP_RADIUS {
+            return None;
+        }
+        let own = (self.cells[cell].iter()).find(|s| s.layer.share == (CELL * CELL) as f32)?;
+        let nearness = own.layer.nearness;
+        let is_alike = |pixel: usize| {
+            let [seen, _] = &self.spots[(y + pixel / CELL) * columns + x + pixel % CELL];
+            (seen.layer.nearness - nearness).abs() < ALIKE * nearness
+        };
+        if !(0..CELL * CELL).all(is_alike) {
+            return None;
+        }
+        let mut sum = Gathered::of(*own);
+        let middle = [x, y].map(|k| k as f32 + MIDDLE);
+        self.add_cells(&mut sum, middle, own.radius.max(reach.before));
+        Some(sum.radiance())
+    }
+
+    /// The radiance of a pixel among cells that a lens only blurs, linearly between their middles.
+    fn between_cells(&self, at: [usize; 2]) -> Option<Vec3> {
+        let cells = [self.cell_columns, self.cells.len() / self.cell_columns];
+        let [(left, right, along), (top, bottom, down)] = [0, 1].map(|axis| {
+            let place = ((at[axis] as f32 - MIDDLE) / CELL as f32).max(0.0);
+            let first = place as usize;
+            (
+                first,
+                (first + 1).min(cells[axis] - 1),
+                place - first as f32,
+            )
+        });
+        let cell = |x: usize, y: usize| self.blurred[y * self.cell_columns + x];
+        let upper = cell(left, top)?.lerp(cell(right, top)?, along);
+        let lower = cell(left, bottom)?.lerp(cell(right, bottom)?, along);
+        Some(upper.lerp(lower, down))
+    }
+
     /// The radiance of a pixel.
     pub fn pixel(&self, at: [usize; 2]) -> Vec3 {
-        let reach = self.reaches[at[1] / BLOCK * self.block_columns + at[0] / BLOCK];
+        self.between_cells(at).unwrap_or_else(|| self.own_pixel(at))
+    }
+
+    /// The radiance of a pixel that a lens does not only blur.
+    fn own_pixel(&self, at: [usize; 2]) -> Vec3 {
+        let reach = self.reach(at);
         let own = &self.spots[at[1] * self.size[0] + at[0]];
         let widest = own[0].radius.max(own[1].radius);
         if widest.max(reach.fine).max(reach.before) <= SHARP_RADIUS {
@@ -245,11 +323,7 @@ impl Spreading {
 
     /// The radiance that a lens shows where a layer of a pixel is.
     fn gathered(&self, at: [usize; 2], own: &Spot, reach: Reach) -> Vec3 {
-        let mut sum = Gathered {
-            own: *own,
-            before: Vec4::ZERO,
-            behind: Vec4::ZERO,
-        };
+        let mut sum = Gathered::of(*own);
         let [columns, rows] = self.size;
         if !own.is_coarse() {
             sum.add(own, 0.0);
@@ -276,29 +350,34 @@ impl Spreading {
         };
         let coarse = behind.max(reach.before);
         if coarse > 0.0 {
-            let near = ((coarse + PIXEL_RADIUS) / CELL as f32).ceil() as usize;
-            let [x, y] = at.map(|k| k / CELL);
-            let last = [self.cell_columns, self.cells.len() / self.cell_columns];
-            for b in y.saturating_sub(near)..(y + near + 1).min(last[1]) {
-                let down = offset(b, at[1]);
-                for a in x.saturating_sub(near)..(x + near + 1).min(last[0]) {
-                    let across = offset(a, at[0]);
-                    let square = across * across + down * down;
-                    for spot in &self.cells[b * self.cell_columns + a] {
-                        if spot.layer.share > 0.0 {
-                            sum.add(spot, square);
-                        }
+            self.add_cells(&mut sum, at.map(|k| k as f32), coarse);
+        }
+        sum.radiance()
+    }
+
+    /// Adds what cells with discs of up to a radius spread over a place, pixels.
+    fn add_cells(&self, sum: &mut Gathered, at: [f32; 2], radius: f32) {
+        let near = ((radius + PIXEL_RADIUS) / CELL as f32).ceil() as usize;
+        let [x, y] = at.map(|k| k as usize / CELL);
+        let last = [self.cell_columns, self.cells.len() / self.cell_columns];
+        for b in y.saturating_sub(near)..(y + near + 1).min(last[1]) {
+            let down = middle(b) - at[1];
+            for a in x.saturating_sub(near)..(x + near + 1).min(last[0]) {
+                let across = middle(a) - at[0];
+                let square = across * across + down * down;
+                for spot in &self.cells[b * self.cell_columns + a] {
+                    if spot.layer.share > 0.0 {
+                        sum.add(spot, square);
                     }
                 }
             }
         }
-        sum.radiance()
     }
 }
 
-/// The distance of the middle of a cell from that of a pixel along one axis, pixels.
-fn offset(cell: usize, pixel: usize) -> f32 {
-    (cell * CELL) as f32 + 0.5 * (CELL as f32 - 1.0) - pixel as f32
+/// The place of the middle of a cell along one axis, pixels.
+fn middle(cell: usize) -> f32 {
+    (cell * CELL) as f32 + MIDDLE
 }
 
 /// What is gathered where a layer of a pixel is: light, and the share of the lens that it comes through.
@@ -310,6 +389,15 @@ struct Gathered {
 }
 
 impl Gathered {
+    /// Nothing yet.
+    fn of(own: Spot) -> Self {
+        Gathered {
+            own,
+            before: Vec4::ZERO,
+            behind: Vec4::ZERO,
+        }
+    }
+
     /// Adds what a spot spreads over a pixel; `square` is that of its distance, pixels.
     #[inline]
     fn add(&mut self, spot: &Spot, square: f32) {
@@ -417,6 +505,26 @@ mod tests {
             // That of a disc is half the square of its radius.
             let found = (2.0 * moment / light).sqrt() / radius;
             assert!((0.85..1.35).contains(&found), "{strength}: {found}");
+        }
+    }
+
+    #[test]
+    fn pixels_between_blurred_cells_are_as_they_are_by_themselves() {
+        let tiles = |x: usize, y: usize| Vec3::splat(((x / 20 + y / 30) % 2) as f32);
+        let pixels: Vec<Pixel> = (0..SIZE[0] * SIZE[1])
+            .map(|i| Pixel::even(tiles(i % SIZE[0], i / SIZE[0]), FAR))
+            .collect();
+        let lens = Lens {
+            focus: FOCUS,
+            strength: 0.18,
+        };
+        let spreading = Spreading::new(&pixels, SIZE, &lens);
+        for y in 10..SIZE[1] - 10 {
+            for x in 10..SIZE[0] - 10 {
+                let between = spreading.between_cells([x, y]).expect("only blurred");
+                let own = spreading.own_pixel([x, y]);
+                assert!(between.abs_diff_eq(own, 0.05), "{x}, {y}: {between} {own}");
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! The grain of a photograph: the noise of its sensor, of which light parts have more than dark ones, as photons come at random.
 
 use crate::sampling::hash;
-use glam::Vec3;
+use glam::{Vec3, Vec4, Vec4Swizzles};
 
 /// Standard deviation of a grain of 1 where it is strongest, about a third of white, levels of 255.
 const STRONGEST: f32 = 10.0;
@@ -31,27 +31,47 @@ impl Grain {
         }
     }
 
-    /// The levels of a pixel with its noise, 0 to 255.
-    pub fn over(&self, levels: Vec3, [x, y]: [usize; 2]) -> Vec3 {
-        if self.strength == 0.0 {
-            return levels;
+    /// The grain of a row of pixels.
+    pub fn row(&self, y: usize, width: usize) -> Row {
+        let strength = self.strength;
+        if strength == 0.0 {
+            let columns = Vec::new();
+            return Row { strength, columns };
         }
+        let seeds = [0, 1, 2, 3].map(|channel| hash(self.seed, channel));
+        let column = |x: usize| {
+            let columns = seeds.map(|seed| hash(seed, x as u32));
+            let cells = (y..).zip(FILTER).map(|(y, part)| {
+                part * Vec4::from(columns.map(|column| normal(hash(column, y as u32))))
+            });
+            cells.sum()
+        };
+        Row {
+            strength,
+            columns: (0..width + 2).map(column).collect(),
+        }
+    }
+}
+
+/// The grain of a row of pixels.
+pub(crate) struct Row {
+    strength: f32,
+    /// Noise of all colours and of each, filtered along the columns, of which one more lies at either side; none without grain.
+    columns: Vec<Vec4>,
+}
+
+impl Row {
+    /// The levels of a pixel with its noise, 0 to 255.
+    pub fn over(&self, levels: Vec3, x: usize) -> Vec3 {
+        let Some(columns) = self.columns.get(x..x + FILTER.len()) else {
+            return levels;
+        };
         let light = (levels.element_sum() / (3.0 * 255.0)).clamp(0.0, 1.0);
         let strength = self.strength * (IN_THE_DARK + light.sqrt()) * (1.0 - LOST_IN_WHITE * light);
-        let noise = |channel: u32| {
-            let seed = hash(self.seed, channel);
-            let mut sum = 0.0;
-            for (dy, row) in FILTER.into_iter().enumerate() {
-                for (dx, column) in FILTER.into_iter().enumerate() {
-                    let cell = hash(hash(seed, (x + dx) as u32), (y + dy) as u32);
-                    sum += row * column * normal(cell);
-                }
-            }
-            // The filter keeps this part of the standard deviation.
-            sum / FILTER.map(|v| v * v).iter().sum::<f32>()
-        };
-        let own = Vec3::new(noise(1), noise(2), noise(3));
-        let noise = Vec3::splat(noise(0)) + own * COLORED;
+        let noise: Vec4 = columns.iter().zip(FILTER).map(|(c, part)| *c * part).sum();
+        // The filter keeps this part of the standard deviation.
+        let noise = noise / FILTER.map(|v| v * v).iter().sum::<f32>();
+        let noise = Vec3::splat(noise.x) + noise.yzw() * COLORED;
         (levels + noise * strength).clamp(Vec3::ZERO, Vec3::splat(255.0))
     }
 }
@@ -71,9 +91,11 @@ mod tests {
     fn statistics(strength: f64, height: u32, level: f32) -> (f32, f32) {
         let grain = Grain::new(strength, height, 7);
         let side = 300;
-        let values: Vec<f32> = (0..side * side)
-            .map(|i| grain.over(Vec3::splat(level), [i % side, i / side]).y)
-            .collect();
+        let row = |y: usize| {
+            let row = grain.row(y, side);
+            (0..side).map(move |x| row.over(Vec3::splat(level), x).y)
+        };
+        let values: Vec<f32> = (0..side).flat_map(row).collect();
         let mean = values.iter().sum::<f32>() / values.len() as f32;
         let squares: f32 = values.iter().map(|v| (v - mean) * (v - mean)).sum();
         (mean, (squares / values.len() as f32).sqrt())

@@ -25,6 +25,15 @@ pub(crate) struct Light {
     pub indirect: Vec3,
 }
 
+/// The light that rays have found at a pixel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Traced {
+    pub light: Light,
+    /// Whether the key light was looked for, and the rest.
+    pub has_key: bool,
+    pub has_rest: bool,
+}
+
 /// A horizontal plane that shows shadows: on a ground, or else only those, as a darkened background. Shadows fade with the distance
 /// from the scene.
 pub(crate) struct Floor {

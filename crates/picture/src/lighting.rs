@@ -67,12 +67,13 @@ impl Scene<'_> {
             if cosine <= 0.0 {
                 continue;
             }
-            let Some(thickness) = self.thickness(place.position, behind, out) else {
+            let most = MAX_DEPTHS * TRANSLUCENT_DEPTH;
+            let Some(thickness) = self.thickness(place.position, behind, out, most) else {
                 continue;
             };
             let left = place.position + out * thickness;
-            let depth = thickness / TRANSLUCENT_DEPTH;
-            if depth < MAX_DEPTHS && !self.is_hidden(left, out, out) {
+            if !self.is_hidden(left, out, out) {
+                let depth = thickness / TRANSLUCENT_DEPTH;
                 let passed = 1.0 + depth * depth;
                 share += cosine / (passed * passed);
             }

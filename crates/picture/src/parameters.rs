@@ -131,7 +131,7 @@ parameters! {
             size as "picture_size": PictureSize = PictureSize { width: 1200, height: 900 }, text(SIZE);
             /// Most camera rays for a pixel of the picture; those without an edge or fine detail take fewer. Light takes an eighth as many.
             samples: u32 = 16, count(1, MAX_SAMPLES as i128).logarithmic();
-            /// Renders a rough picture quickly: at half the width and height, with at most four camera rays for a pixel, enlarged.
+            /// Renders a rough picture quickly: at a third of the width and height, with at most four camera rays for a pixel, enlarged, and without grain unless it is asked for.
             draft: bool = false, flag();
             /// Direction from which the picture is taken, degrees; "auto" chooses one that suits.
             view: Option<ViewDirection> = None, text(VIEW).auto();

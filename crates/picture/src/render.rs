@@ -5,7 +5,7 @@ use crate::camera::{Camera, CameraPlacement, Sphere, View};
 use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
-use crate::focus::{Distances, Lens, Spreading, depth_of_field};
+use crate::focus::{Distances, Focus, Lens, Spreading, depth_of_field};
 use crate::ground::{FallenLeaves, Ground, ShownGround};
 use crate::item::Item;
 use crate::layers::Pixel;
@@ -29,7 +29,8 @@ pub struct PictureOptions {
     pub height: u32,
     /// Most camera rays per pixel, 1 to 65536; a pixel without an edge or fine detail takes fewer.
     pub samples: u32,
-    /// Whether a rough picture is enough: half as wide and high, with at most four camera rays per pixel, and enlarged.
+    /// Whether a rough picture is enough: a third as wide and high, with at most four camera rays per pixel, enlarged, and without grain
+    /// unless that is given.
     pub draft: bool,
     /// Direction of view.
     pub view: View,
@@ -99,7 +100,7 @@ const BAND_ROWS: usize = 8;
 /// Camera rays per pixel for each ray to a lamp, and for each indirect ray.
 const SAMPLES_PER_LIGHT_RAY: u32 = 8;
 /// How many times wider and higher than it is rendered a draft is, and its most camera rays per pixel.
-const DRAFT_SCALE: u32 = 2;
+const DRAFT_SCALE: u32 = 3;
 const DRAFT_SAMPLES: u32 = 4;
 /// Aperture of the lens (m) where a ground is shown: that of 85 mm at f/3.5. Near a branch what lies behind the focus is blurred; a
 /// trunk is seen from farther off. What it blurs at most, as a depth of field: all of what is broken is to be seen.
@@ -221,7 +222,8 @@ pub fn render(
         false => Film::Even,
     };
     let on_ground = |usual: f64| if is_ground_shown { usual } else { 0.0 };
-    let grain = options.film_grain.unwrap_or(on_ground(GROUND_GRAIN));
+    let usual = if options.draft { 0.0 } else { GROUND_GRAIN };
+    let grain = options.film_grain.unwrap_or(on_ground(usual));
     let softness = (options.lens_softness).unwrap_or(on_ground(GROUND_SOFTNESS));
     let frame = Frame {
         scene: &scene,
@@ -232,8 +234,8 @@ pub fn render(
         rays: samples.div_ceil(SAMPLES_PER_LIGHT_RAY),
     };
     let radiance = radiance(&frame, Blur::of(options, is_ground_shown), context)?;
+    let radiance = soften(radiance, frame.size, softness);
     let radiance = enlarge(radiance, rendered, size);
-    let radiance = soften(radiance, size.map(|n| n as usize), softness);
     Ok(Picture::from_radiance(size, &radiance, film, grain))
 }
 
@@ -280,19 +282,21 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
         ],
     };
     let seen = rows(0).fill(|x, y| frame.seen(x, y))?;
-    let places: Vec<Place> = seen.iter().map(|s| s.place).collect();
+    let places: Vec<Place> = seen.par_iter().map(|s| s.place).collect();
     let neighbours = Neighbours {
         places: &places,
         size: frame.size,
     };
+    let focus = focus(frame, &places, blur);
     let columns = frame.size[0];
     let support: Vec<f32> = (0..places.len())
         .into_par_iter()
         .map(|i| neighbours.support([i % columns, i / columns]))
         .collect();
     let light = rows(1).fill(|x, y| {
-        let at = y * columns + x;
-        frame.light(&places[at], support[at], x, y)
+        let place = &places[y * columns + x];
+        let disc = (focus.as_ref()).map_or(0.0, |focus| focus.radius(place));
+        frame.light(&neighbours, (&support, disc), [x, y])
     })?;
     let light = rows(2).fill(|x, y| {
         let support = support[y * columns + x];
@@ -302,34 +306,40 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
     let centres: Vec<Vec3> = (seen.par_iter().zip(&light))
         .map(|(seen, light)| seen.radiance(frame.studio, light))
         .collect();
-    let distances = Distances::new(frame.camera, frame.scene.bounds.centre);
-    let focus = match blur {
-        Blur::Given(0.0) => None,
-        _ => distances.focus(&places, frame.size),
-    };
-    let lens = focus.map(|focus| Lens {
-        focus,
-        strength: match blur {
-            Blur::Given(given) => given,
-            Blur::Aperture(aperture) => {
-                depth_of_field(aperture, focus, frame.camera).min(GROUND_DEPTH_OF_FIELD)
-            }
-        },
-    });
     let resolved = Resolve {
         frame,
         neighbours,
         light: &light,
         centres: &centres,
-        lens: lens.map(|lens| (lens, &distances)),
+        focus: focus.as_ref(),
     };
     let pixels = rows(3).fill(|x, y| resolved.pixel(x, y))?;
-    let Some(lens) = lens else {
+    let Some(focus) = focus else {
         context.report(1.0)?;
         return Ok(pixels.par_iter().map(Pixel::radiance).collect());
     };
-    let spreading = Spreading::new(&pixels, frame.size, &lens);
+    let spreading = Spreading::new(&pixels, frame.size, &focus.lens);
     rows(4).fill(|x, y| spreading.pixel([x, y]))
+}
+
+/// What a camera that sees these places is focused on; `None` where nothing is out of focus.
+fn focus(frame: &Frame, places: &[Place], blur: Blur) -> Option<Focus> {
+    if blur == Blur::Given(0.0) {
+        return None;
+    }
+    let distances = Distances::new(frame.camera, frame.scene.bounds.centre);
+    let focus = distances.focus(places, frame.size)?;
+    let strength = match blur {
+        Blur::Given(given) => given,
+        Blur::Aperture(aperture) => {
+            depth_of_field(aperture, focus, frame.camera).min(GROUND_DEPTH_OF_FIELD)
+        }
+    };
+    Some(Focus {
+        lens: Lens { focus, strength },
+        distances,
+        height: frame.size[1],
+    })
 }
 
 /// Enlarges the pixels of a picture to another size, linearly between their middles.
@@ -380,13 +390,11 @@ impl Rows<'_> {
         for first in (0..self.rows).step_by(band) {
             let done = first as f64 / self.rows as f64;
             self.context.report(start + (end - start) * done)?;
-            let rows = first..(first + band).min(self.rows);
-            let value = &value;
+            let last = (first + band).min(self.rows);
             let columns = self.columns;
-            values.par_extend(
-                rows.into_par_iter()
-                    .flat_map_iter(move |y| (0..columns).map(move |x| value(x, y))),
-            );
+            // By pixels and not by rows, whose number of values rayon does not know: it would collect them in lists of their own first.
+            let pixels = (first * columns..last * columns).into_par_iter();
+            values.par_extend(pixels.map(|i| value(i % columns, i / columns)));
         }
         self.context.report(end)?;
         Ok(values)

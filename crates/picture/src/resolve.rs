@@ -3,9 +3,9 @@
 
 use crate::camera::Camera;
 use crate::denoise::{Neighbours, likeness};
-use crate::focus::{Distances, Lens};
+use crate::focus::Focus;
 use crate::layers::Pixel;
-use crate::light::{Light, Studio, luminance};
+use crate::light::{Light, Studio, Traced, luminance};
 use crate::sampling::{Purpose, Sampler};
 use crate::scene::Scene;
 use crate::surface::{Met, Place, Seen};
@@ -20,6 +20,11 @@ const SMOOTH_SUPPORT: f32 = 14.0;
 const SOFT_SHADOW: f32 = 0.2;
 /// How many times as many rays to the key light a pixel in its soft shadow takes.
 const MORE_RAYS: u32 = 4;
+/// Side of the cells of pixels on smooth surfaces of which one finds light for all, and likeness to it from which on another one takes it.
+const LIGHT_CELL: usize = 2;
+const FILLED_IN_LIKENESS: f32 = 0.5;
+/// Difference of the rest of the light around a pixel, as a part of the greatest, from which on it needs light of its own.
+const VARIED_REST: f32 = 0.85;
 /// Likeness of neighbours below which there is an edge between them.
 const EDGE_LIKENESS: f32 = 0.2;
 /// Difference of luminance between neighbours, as a part of their sum, from which one ray does not stand for a pixel.
@@ -33,8 +38,10 @@ const FIRST_RAYS: u32 = 4;
 const MEAN_ERROR: f32 = 0.3;
 /// Rays per pixel from which on every pixel takes all of them.
 const RAYS_FOR_ALL: u32 = 64;
-/// Radius of the disc of an unsharp pixel from which on one ray stands for it, pixels.
+/// Radius of the disc of an unsharp pixel from which on one ray of each kind stands for it, pixels.
 const ONE_RAY_RADIUS: f32 = 2.5;
+/// Radius of the disc of a pixel from which on what is around it is spread over it enough for half as many rays.
+const UNSHARP_RADIUS: f32 = 1.5;
 /// Likeness of places around that together suffice to light a place.
 const MIN_LIKENESS: f32 = 0.05;
 /// Luminance that is added to both where contrast is measured: darkness hides it.
@@ -42,6 +49,29 @@ const CONTRAST_BASE: f32 = 0.02;
 
 /// Shares of a pixel and its neighbours in a row where the middles of pixels stand for the pixel filter.
 const FILTER: [f32; 3] = [0.14, 0.72, 0.14];
+
+/// The least and the greatest of some numbers.
+#[derive(Clone, Copy)]
+struct Range {
+    low: f32,
+    high: f32,
+}
+
+impl Range {
+    const NONE: Range = Range {
+        low: f32::INFINITY,
+        high: f32::NEG_INFINITY,
+    };
+
+    fn include(&mut self, value: f32) {
+        self.low = self.low.min(value);
+        self.high = self.high.max(value);
+    }
+
+    fn width(&self) -> f32 {
+        self.high - self.low
+    }
+}
 
 /// What a picture is made of.
 pub(crate) struct Frame<'a> {
@@ -70,46 +100,101 @@ impl Frame<'_> {
         self.look([x, y], [0.0, 0.0], &[])
     }
 
-    /// The light at what is seen there, where so many pixels around show the same surface.
-    pub fn light(&self, place: &Place, support: f32, x: usize, y: usize) -> Light {
-        if place.met.is_unlit() {
-            return Light::default();
+    /// The light at what is seen at a pixel, whose support and that of all others is known, and which a lens spreads over a disc of a
+    /// radius in pixels; nothing where the filter finds it around.
+    pub fn light(
+        &self,
+        neighbours: &Neighbours,
+        (support, disc): (&[f32], f32),
+        at: [usize; 2],
+    ) -> Traced {
+        let pixel = at[1] * self.size[0] + at[0];
+        let place = &neighbours.places[pixel];
+        if place.met.is_unlit() || self.is_filled_in(neighbours, support, at) {
+            return Traced::default();
         }
-        let sampler = self.light_sampler([x, y]);
-        let factor = if support > LITTLE_SUPPORT { 1 } else { 2 };
-        (self.scene).light_at(self.studio, place, &sampler, factor * self.rays)
+        let factor = match support[pixel] > LITTLE_SUPPORT || disc > UNSHARP_RADIUS {
+            true => 1,
+            false => 2,
+        };
+        self.traced(place, at, factor * self.rays)
     }
 
-    /// The light with more rays to the key light where its shadow is soft on a smooth surface, on which noise would be seen best.
+    fn traced(&self, place: &Place, at: [usize; 2], rays: u32) -> Traced {
+        Traced {
+            light: (self.scene).light_at(self.studio, place, &self.light_sampler(at), rays),
+            has_key: true,
+            has_rest: true,
+        }
+    }
+
+    /// The first pixel of the cell of a pixel.
+    fn first(&self, at: [usize; 2]) -> usize {
+        let [x, y] = at.map(|k| k - k % LIGHT_CELL);
+        y * self.size[0] + x
+    }
+
+    /// Whether a pixel of a smooth surface takes its light from the first pixel of its cell and others around.
+    fn is_filled_in(&self, neighbours: &Neighbours, support: &[f32], at: [usize; 2]) -> bool {
+        let [own, first] = [at[1] * self.size[0] + at[0], self.first(at)];
+        let [here, there] = [own, first].map(|i| &neighbours.places[i]);
+        own != first
+            && self.samples < RAYS_FOR_ALL
+            && support[own].min(support[first]) > SMOOTH_SUPPORT
+            && likeness(here, there) > FILLED_IN_LIKENESS
+    }
+
+    /// The light with more rays where noise would be seen best on a smooth surface: to the key light in its soft shadow, and of all kinds
+    /// where what is around hides much of the rest.
     pub fn refined(
         &self,
         neighbours: &Neighbours,
-        (light, support): (&[Light], f32),
-        [x, y]: [usize; 2],
-    ) -> Light {
-        let at = y * self.size[0] + x;
-        let place = &neighbours.places[at];
+        (light, support): (&[Traced], f32),
+        at: [usize; 2],
+    ) -> Traced {
+        let pixel = at[1] * self.size[0] + at[0];
+        let (place, own) = (&neighbours.places[pixel], light[pixel]);
         if place.met.is_unlit() || support < SMOOTH_SUPPORT {
-            return light[at];
+            return own;
+        }
+        let (mut key, mut rest) = (Range::NONE, Range::NONE);
+        neighbours.visit_around(at, |i| {
+            let Traced {
+                light,
+                has_key,
+                has_rest,
+            } = &light[i];
+            if *has_key {
+                key.include(light.lamps[0]);
+            }
+            if *has_rest {
+                rest.include(luminance(light.indirect));
+            }
+        });
+        if !own.has_rest && rest.width() > VARIED_REST * rest.high {
+            return self.traced(place, at, self.rays);
         }
         // Most places are not in a soft shadow, whatever surfaces are around them.
-        let range_where = |counts: &dyn Fn(usize) -> bool| {
-            let (mut low, mut high) = (1.0f32, 0.0f32);
-            neighbours.visit_around([x, y], |index| {
-                let share = light[index].lamps[0];
-                if counts(index) {
-                    (low, high) = (low.min(share), high.max(share));
-                }
-            });
-            high - low
-        };
-        let is_alike = |i: usize| likeness(place, &neighbours.places[i]) > EDGE_LIKENESS;
-        if range_where(&|_| true) < SOFT_SHADOW || range_where(&is_alike) < SOFT_SHADOW {
-            return light[at];
+        if key.width() < SOFT_SHADOW {
+            return own;
         }
-        let rays = [self.rays, (MORE_RAYS - 1) * self.rays];
-        let sampler = self.light_sampler([x, y]);
-        (self.scene).refined_light(self.studio, place, &sampler, light[at], rays)
+        let mut key = Range::NONE;
+        neighbours.visit_around(at, |i| {
+            if light[i].has_key && likeness(place, &neighbours.places[i]) > EDGE_LIKENESS {
+                key.include(light[i].light.lamps[0]);
+            }
+        });
+        if key.width() < SOFT_SHADOW {
+            return own;
+        }
+        let first = if own.has_key { self.rays } else { 0 };
+        let rays = [first, MORE_RAYS * self.rays - first];
+        let sampler = self.light_sampler(at);
+        Traced {
+            light: (self.scene).refined_light(self.studio, place, &sampler, own.light, rays),
+            has_key: true,
+            ..own
+        }
     }
 
     fn light_sampler(&self, at: [usize; 2]) -> Sampler {
@@ -125,8 +210,8 @@ pub(crate) struct Resolve<'a> {
     pub light: &'a [Light],
     /// The radiance of that.
     pub centres: &'a [Vec3],
-    /// The lens that blurs what is out of focus, and how far off things are.
-    pub lens: Option<(Lens, &'a Distances)>,
+    /// What is out of focus is blurred.
+    pub focus: Option<&'a Focus>,
 }
 
 impl Resolve<'_> {
@@ -181,21 +266,20 @@ impl Resolve<'_> {
 
     /// One over the distance of a place, 1/m; the same for all where none is asked for.
     fn nearness(&self, place: &Place) -> f32 {
-        (self.lens).map_or(0.0, |(_, distances)| distances.nearness(place))
+        (self.focus).map_or(0.0, |focus| focus.distances.nearness(place))
     }
 
     /// Whether a pixel and those around it will be spread so far that one ray stands for it.
     fn is_blurred(&self, at: [usize; 2]) -> bool {
-        let Some((lens, distances)) = self.lens else {
+        let Some(focus) = self.focus else {
             return false;
         };
         let [width, height] = self.frame.size;
         let columns = at[0].saturating_sub(1)..(at[0] + 2).min(width);
         (at[1].saturating_sub(1)..(at[1] + 2).min(height)).all(|y| {
-            columns.clone().all(|x| {
-                let place = &self.neighbours.places[y * width + x];
-                lens.radius(distances.nearness(place), height) > ONE_RAY_RADIUS
-            })
+            columns
+                .clone()
+                .all(|x| focus.radius(&self.neighbours.places[y * width + x]) > ONE_RAY_RADIUS)
         })
     }
 

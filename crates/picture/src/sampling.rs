@@ -102,11 +102,12 @@ impl Sampler {
 
 /// Sine and cosine on [−π/4, π/4] by Taylor polynomials (error below 1e-7), with the same bits on every machine.
 fn sine_cosine(x: f32) -> (f32, f32) {
+    // Factors and not divisors, which take many times as long.
+    const S: [f32; 4] = [1.0 / 6.0, 1.0 / 20.0, 1.0 / 42.0, 1.0 / 72.0];
+    const C: [f32; 5] = [0.5, 1.0 / 12.0, 1.0 / 30.0, 1.0 / 56.0, 1.0 / 90.0];
     let q = x * x;
-    let sine = x * (1.0 - q / 6.0 * (1.0 - q / 20.0 * (1.0 - q / 42.0 * (1.0 - q / 72.0))));
-    let cosine =
-        1.0 - q / 2.0 * (1.0 - q / 12.0 * (1.0 - q / 30.0 * (1.0 - q / 56.0 * (1.0 - q / 90.0))));
-    (sine, cosine)
+    let series = |factors: &[f32]| factors.iter().rev().fold(1.0, |sum, f| 1.0 - q * f * sum);
+    (x * series(&S), series(&C))
 }
 
 /// Maps the unit square to the unit disc, preserving relative areas and neighbourhoods (Shirley and Chiu 1997).

@@ -184,10 +184,11 @@ impl<'a> Scene<'a> {
         Some(found)
     }
 
-    /// The distance through the body behind a surface in a direction.
-    pub fn thickness(&self, from: Vec3, behind: Vec3, out: Vec3) -> Option<f32> {
-        let found = self.bvh.nearest(&self.leaving(from, behind, out))?;
-        Some(found.distance)
+    /// The distance through the body behind a surface in a unit direction, where it is less than `most`, m.
+    pub fn thickness(&self, from: Vec3, behind: Vec3, out: Vec3, most: f32) -> Option<f32> {
+        let mut ray = self.leaving(from, behind, out);
+        ray.max_distance = most;
+        Some(self.bvh.nearest(&ray)?.distance)
     }
 
     /// What a ray from a surface meets; `footprint` is the size of a pixel on it.

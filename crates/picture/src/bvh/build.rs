@@ -2,6 +2,7 @@
 //! node.
 
 use glam::{Vec3, Vec4};
+use rayon::prelude::*;
 
 use super::bounds::{Bounds, greater, lesser};
 
@@ -55,7 +56,7 @@ pub(super) struct Node {
 /// Builds the hierarchy. Corners must be finite.
 pub(super) fn build(triangles: &[[Vec3; 3]]) -> Tree {
     let mut references: Vec<Reference> = triangles
-        .iter()
+        .par_iter()
         .enumerate()
         .map(|(i, [a, b, c])| Reference {
             bounds: Bounds {
@@ -247,7 +248,8 @@ fn best_plane(references: &[Reference], middles: &Bounds) -> Option<Plane> {
             if left.1 == 0 || number == 0 {
                 continue;
             }
-            let cost = left.0.half_area() * left.1 as f32 + right.half_area() * number as f32;
+            let groups = |count: u32| count.div_ceil(LEAF_SIZE as u32) as f32;
+            let cost = left.0.half_area() * groups(left.1) + right.half_area() * groups(number);
             if best.as_ref().is_none_or(|b| cost < b.cost) {
                 best = Some(Plane {
                     cost,

@@ -9,6 +9,7 @@ mod bounds;
 mod build;
 
 use glam::{Vec3, Vec4};
+use rayon::prelude::*;
 
 use build::{LEAF, LEAF_SIZE, Node};
 
@@ -92,7 +93,7 @@ impl Bvh {
         };
         Bvh {
             nodes,
-            leaves: leaves.iter().map(leaf).collect(),
+            leaves: leaves.par_iter().map(leaf).collect(),
         }
     }
 
