@@ -111,8 +111,8 @@ impl TextureKey {
     }
 }
 
-/// Parts of the width of the textures inside that the bark has: its figure is coarser than that of wood.
-const BARK_WIDTH: u32 = 2;
+/// Quarters of the width of the textures inside that the bark has: its figure is coarser than that of wood.
+const BARK_QUARTERS: u32 = 3;
 
 /// Bakes the bark of a round stem for textures of the wood inside that are `width` pixels wide.
 ///
@@ -124,7 +124,7 @@ pub(crate) fn bake_bark(
     width: u32,
     context: &Context,
 ) -> Result<WoodTextures, TextureError> {
-    let width = (width / BARK_WIDTH)
+    let width = (width / 4 * BARK_QUARTERS)
         .next_multiple_of(2)
         .max(texture::MIN_WIDTH);
     texture::bake_bark(width, &appearance.bark, stem.radius, context)

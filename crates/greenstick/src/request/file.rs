@@ -36,7 +36,7 @@ parameters! {
         }
         "What comes out", "finish" {
             /// Width of the baked textures of the wood inside, pixels.
-            texture_width as "texture_size": u32 = 1536, count(8, 16_384).step(2).unit(Unit::Pixel).logarithmic();
+            texture_width as "texture_size": u32 = 1024, count(8, 16_384).step(2).unit(Unit::Pixel).logarithmic();
         }
     }
     include {
