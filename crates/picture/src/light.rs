@@ -29,8 +29,9 @@ pub(crate) struct Light {
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Traced {
     pub light: Light,
-    /// Whether the key light was looked for, and the rest.
+    /// Whether rays to the key light were traced.
     pub has_key: bool,
+    /// Whether rays of the rest were: to the rim light, and of indirect light.
     pub has_rest: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Rendering in four steps: what is seen at the middle of each pixel, the light there from few rays, the same smoothed, and the
-//! picture, with more camera rays where an edge or fine detail asks for them.
+//! Rendering in four steps: what is seen at the middle of each pixel, the light there from few rays (on smooth surfaces at every fourth
+//! pixel), the same smoothed, and the picture, with more camera rays where an edge or fine detail asks for them.
 
 use crate::camera::{Camera, CameraPlacement, Sphere, View};
 use crate::coin::Coin;

@@ -20,11 +20,12 @@ const SMOOTH_SUPPORT: f32 = 14.0;
 const SOFT_SHADOW: f32 = 0.2;
 /// How many times as many rays to the key light a pixel in its soft shadow takes.
 const MORE_RAYS: u32 = 4;
-/// Side of the cells of pixels on smooth surfaces of which one finds light for all, and likeness to it from which on another one takes it.
+/// Side of the cells of pixels on smooth surfaces in which light is traced at the first one alone, pixels, and likeness to it from which
+/// on another one goes without.
 const LIGHT_CELL: usize = 2;
 const FILLED_IN_LIKENESS: f32 = 0.5;
-/// Difference of the rest of the light around a pixel, as a part of the greatest, from which on it needs light of its own.
-const VARIED_REST: f32 = 0.85;
+/// Difference of the indirect light around a pixel, as a part of the greatest, from which on it needs light of its own.
+const VARIED_INDIRECT: f32 = 0.85;
 /// Likeness of neighbours below which there is an edge between them.
 const EDGE_LIKENESS: f32 = 0.2;
 /// Difference of luminance between neighbours, as a part of their sum, from which one ray does not stand for a pixel.
@@ -52,13 +53,13 @@ const FILTER: [f32; 3] = [0.14, 0.72, 0.14];
 
 /// The least and the greatest of some numbers.
 #[derive(Clone, Copy)]
-struct Range {
+struct Extremes {
     low: f32,
     high: f32,
 }
 
-impl Range {
-    const NONE: Range = Range {
+impl Extremes {
+    const NONE: Extremes = Extremes {
         low: f32::INFINITY,
         high: f32::NEG_INFINITY,
     };
@@ -100,8 +101,8 @@ impl Frame<'_> {
         self.look([x, y], [0.0, 0.0], &[])
     }
 
-    /// The light at what is seen at a pixel, whose support and that of all others is known, and which a lens spreads over a disc of a
-    /// radius in pixels; nothing where the filter finds it around.
+    /// The light at what is seen at a pixel; nothing where the filter finds it around. `support` is that of all pixels, `disc` the radius
+    /// of the disc over which a lens spreads this one, pixels.
     pub fn light(
         &self,
         neighbours: &Neighbours,
@@ -145,7 +146,7 @@ impl Frame<'_> {
     }
 
     /// The light with more rays where noise would be seen best on a smooth surface: to the key light in its soft shadow, and of all kinds
-    /// where what is around hides much of the rest.
+    /// where indirect light varies much.
     pub fn refined(
         &self,
         neighbours: &Neighbours,
@@ -157,7 +158,7 @@ impl Frame<'_> {
         if place.met.is_unlit() || support < SMOOTH_SUPPORT {
             return own;
         }
-        let (mut key, mut rest) = (Range::NONE, Range::NONE);
+        let (mut key, mut rest) = (Extremes::NONE, Extremes::NONE);
         neighbours.visit_around(at, |i| {
             let Traced {
                 light,
@@ -171,14 +172,14 @@ impl Frame<'_> {
                 rest.include(luminance(light.indirect));
             }
         });
-        if !own.has_rest && rest.width() > VARIED_REST * rest.high {
+        if !own.has_rest && rest.width() > VARIED_INDIRECT * rest.high {
             return self.traced(place, at, self.rays);
         }
         // Most places are not in a soft shadow, whatever surfaces are around them.
         if key.width() < SOFT_SHADOW {
             return own;
         }
-        let mut key = Range::NONE;
+        let mut key = Extremes::NONE;
         neighbours.visit_around(at, |i| {
             if light[i].has_key && likeness(place, &neighbours.places[i]) > EDGE_LIKENESS {
                 key.include(light[i].light.lamps[0]);

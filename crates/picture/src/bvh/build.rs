@@ -248,6 +248,7 @@ fn best_plane(references: &[Reference], middles: &Bounds) -> Option<Plane> {
             if left.1 == 0 || number == 0 {
                 continue;
             }
+            // A leaf tests as many triangles at once as it holds.
             let groups = |count: u32| count.div_ceil(LEAF_SIZE as u32) as f32;
             let cost = left.0.half_area() * groups(left.1) + right.half_area() * groups(number);
             if best.as_ref().is_none_or(|b| cost < b.cost) {

@@ -187,8 +187,8 @@ impl BarkAppearance {
         self.surface_by(at, footprint, &mut Forgetful)
     }
 
-    /// [`BarkAppearance::surface_at`] for points visited one after another: `memory` is kept between them. The outcome is,
-    /// but for rounding, the same, sooner.
+    /// [`BarkAppearance::surface_at`] for points visited one after another: `memory` is kept between them. The outcome is
+    /// the same, sooner.
     pub fn surface_in_row(
         &self,
         at: &BarkPoint,

@@ -192,7 +192,7 @@ impl WoodAppearance {
     }
 
     /// [`WoodAppearance::surface_at`] for points visited one after another, such as those of a texture's row: `memory` is
-    /// kept between them. The outcome is, but for rounding, the same, sooner.
+    /// kept between them. The outcome is the same, sooner.
     pub fn surface_in_row(
         &self,
         rings: &dyn RingSource,
