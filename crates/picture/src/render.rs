@@ -313,7 +313,9 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
         centres: &centres,
         focus: focus.as_ref(),
     };
-    let pixels = rows(3).fill(|x, y| resolved.pixel(x, y))?;
+    let mut pixels = rows(3).fill(|x, y| resolved.pixel([x, y], false))?;
+    resolved.follow_outlines(&mut pixels, (context, PROGRESS[4]))?;
+    let pixels: Vec<Pixel> = pixels.par_iter().map(|p| p.pixel).collect();
     let Some(focus) = focus else {
         context.report(1.0)?;
         return Ok(pixels.par_iter().map(Pixel::radiance).collect());

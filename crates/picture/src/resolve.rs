@@ -3,6 +3,7 @@
 
 use crate::camera::Camera;
 use crate::denoise::{Neighbours, likeness};
+use crate::error::PictureError;
 use crate::focus::Focus;
 use crate::layers::Pixel;
 use crate::light::{Light, Studio, Traced, luminance};
@@ -10,6 +11,8 @@ use crate::sampling::{Purpose, Sampler};
 use crate::scene::Scene;
 use crate::surface::{Met, Place, Seen};
 use glam::Vec3;
+use greenstick_geometry::Context;
+use rayon::prelude::*;
 
 /// Pixels around one that show its surface too, of 24, below which it takes twice as many rays for its light: the filter
 /// cannot help it.
@@ -37,6 +40,9 @@ const FIRST_RAYS: u32 = 4;
 /// Relative standard error of the mean of a pixel's rays below which no more are needed. The rays are stratified: the true error is well
 /// below that of independent ones.
 const MEAN_ERROR: f32 = 0.3;
+/// Most pixels over which an outline is followed from one in which rays found it, and how many pixels are resolved at once.
+const MOST_FOLLOWED: usize = 16;
+const FOLLOWED_AT_ONCE: usize = 1 << 14;
 /// Rays per pixel from which on every pixel takes all of them.
 const RAYS_FOR_ALL: u32 = 64;
 /// Radius of the disc of an unsharp pixel from which on one ray of each kind stands for it, pixels.
@@ -203,6 +209,14 @@ impl Frame<'_> {
     }
 }
 
+/// What became of a pixel.
+#[derive(Clone, Copy)]
+pub(crate) struct Resolved {
+    pub pixel: Pixel,
+    /// Whether its rays met items and also what lies past them.
+    has_outline: bool,
+}
+
 /// What is known before pixels are resolved.
 pub(crate) struct Resolve<'a> {
     pub frame: &'a Frame<'a>,
@@ -216,20 +230,23 @@ pub(crate) struct Resolve<'a> {
 }
 
 impl Resolve<'_> {
-    /// What becomes of a pixel.
-    pub fn pixel(&self, x: usize, y: usize) -> Pixel {
-        let at = [x, y];
-        let centre = y * self.frame.size[0] + x;
+    /// What becomes of a pixel; all rays are taken where `is_beside_outline`.
+    pub fn pixel(&self, at: [usize; 2], is_beside_outline: bool) -> Resolved {
+        let centre = at[1] * self.frame.size[0] + at[0];
         let samples = self.frame.samples;
         let all = samples >= RAYS_FOR_ALL;
-        let even = |radiance| Pixel::even(radiance, self.nearness(&self.neighbours.places[centre]));
+        let even = |radiance| Resolved {
+            pixel: Pixel::even(radiance, self.nearness(&self.neighbours.places[centre])),
+            has_outline: false,
+        };
         if samples == 1 {
             return even(self.centres[centre]);
         }
-        if !all && self.is_blurred(at) {
+        let may_stop = !(all || is_beside_outline);
+        if may_stop && self.is_blurred(at) {
             return even(self.centres[centre]);
         }
-        if !(all || self.is_detailed(at)) {
+        if may_stop && !self.is_detailed(at) {
             return even(self.mean_around(at));
         }
         let sampler = Sampler::new(at, samples.next_power_of_two());
@@ -237,10 +254,10 @@ impl Resolve<'_> {
         let mut known = Vec::with_capacity(samples.min(RAYS_FOR_ALL) as usize);
         let mut rays = Vec::with_capacity(samples as usize);
         let (mut sum, mut low, mut high) = (Vec3::ZERO, f32::INFINITY, 0.0f32);
-        let (mut count, mut squares) = (0, 0.0);
+        let (mut count, mut squares, mut items) = (0, 0.0, 0);
         while count < samples {
             let [dx, dy] = sampler.square(count, Purpose::Pixel).map(tent);
-            let may_share = !all && count >= FIRST_RAYS;
+            let may_share = !all && (is_beside_outline || count >= FIRST_RAYS);
             let shared: &[Seen] = if may_share { &known } else { &[] };
             let seen = self.frame.look(at, [dx, dy], shared);
             if known.len() < known.capacity() {
@@ -254,15 +271,73 @@ impl Resolve<'_> {
             sum += radiance;
             squares += brightness * brightness;
             count += 1;
+            items += u32::from(matches!(seen.place.met, Met::Item(_)));
+            let has_outline = 0 < items && items < count;
             let is_enough = || match count {
-                FIRST_RAYS => contrast(low, high) < RAY_CONTRAST,
+                // It is looked at once more, with those beside it.
+                FIRST_RAYS => has_outline || contrast(low, high) < RAY_CONTRAST,
                 _ => standard_error(luminance(sum), squares, count) < MEAN_ERROR,
             };
-            if !all && count.is_multiple_of(FIRST_RAYS) && is_enough() {
+            if may_stop && count.is_multiple_of(FIRST_RAYS) && is_enough() {
                 break;
             }
         }
-        Pixel::of_rays(&rays)
+        Resolved {
+            pixel: Pixel::of_rays(&rays),
+            has_outline: 0 < items && items < count,
+        }
+    }
+
+    /// Follows outlines from the pixels that have some to those beside them, and takes all rays there: a hair may be so thin that the
+    /// middles of pixels, and the first rays of others, met it here and there only.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the caller asked to stop.
+    pub fn follow_outlines(
+        &self,
+        pixels: &mut [Resolved],
+        (context, progress): (&Context, f64),
+    ) -> Result<(), PictureError> {
+        if !(FIRST_RAYS + 1..RAYS_FOR_ALL).contains(&self.frame.samples) {
+            return Ok(());
+        }
+        let width = self.frame.size[0];
+        let mut is_known = vec![false; pixels.len()];
+        let mut ends: Vec<usize> = (0..pixels.len())
+            .filter(|i| pixels[*i].has_outline)
+            .collect();
+        for _ in 0..MOST_FOLLOWED {
+            let beside = self.new_beside(&ends, &mut is_known);
+            ends.clear();
+            for some in beside.chunks(FOLLOWED_AT_ONCE) {
+                context.report(progress)?;
+                let resolved: Vec<Resolved> = (some.par_iter())
+                    .map(|i| self.pixel([i % width, i / width], true))
+                    .collect();
+                for (i, resolved) in some.iter().zip(resolved) {
+                    let before = std::mem::replace(&mut pixels[*i], resolved);
+                    if resolved.has_outline && !before.has_outline {
+                        ends.push(*i);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the pixels next to some, and themselves, that are not known yet.
+    fn new_beside(&self, some: &[usize], is_known: &mut [bool]) -> Vec<usize> {
+        let [width, height] = self.frame.size;
+        let mut beside = Vec::new();
+        for pixel in some {
+            let (x, y) = (pixel % width, pixel / width);
+            let columns = x.saturating_sub(1)..(x + 2).min(width);
+            for row in y.saturating_sub(1)..(y + 2).min(height) {
+                let new = columns.clone().map(|column| row * width + column);
+                beside.extend(new.filter(|i| !std::mem::replace(&mut is_known[*i], true)));
+            }
+        }
+        beside
     }
 
     /// One over the distance of a place, 1/m; the same for all where none is asked for.

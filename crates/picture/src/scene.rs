@@ -258,7 +258,7 @@ impl<'a> Scene<'a> {
             .and_then(|floor| floor.distance(camera.origin, direction, studio.up));
         let found = found.filter(|f| floor.is_none_or(|d| f64::from(f.distance) + ahead <= d));
         let Some(found) = found else {
-            return self.beyond_items(studio, camera, direction, [u, v]);
+            return self.beyond_items(studio, camera, (direction, [u, v]), known);
         };
         let (item, triangle) = self.item_of(found.triangle);
         let mut hit = self.hit(item, triangle, found.weights, direction);
@@ -309,8 +309,8 @@ impl<'a> Scene<'a> {
         &self,
         studio: &Studio,
         camera: &Camera,
-        direction: DVec3,
-        [u, v]: [f64; 2],
+        (direction, [u, v]): (DVec3, [f64; 2]),
+        known: &[Seen],
     ) -> Seen {
         let to_viewer = -direction.as_vec3();
         let background = Seen {
@@ -341,14 +341,17 @@ impl<'a> Scene<'a> {
             return background;
         }
         let fade = away.clamp(0.0, 1.0) as f32;
-        let color = match &floor.ground {
-            Some(ground) => {
+        // The ground is averaged over a pixel.
+        let is_ground = |seen: &&Seen| matches!(seen.place.met, Met::Floor | Met::FarGround);
+        let color = match (&floor.ground, known.iter().find(is_ground)) {
+            (Some(_), Some(seen)) => seen.color,
+            (Some(ground), None) => {
                 let at = camera.origin + direction * distance;
                 let slant = (distance, direction.dot(studio.up.as_dvec3()));
                 let (color, normal) = ground.at(at, studio.up.as_dvec3(), slant);
                 color * studio.unshadowed(normal) / PI * studio.vignette(u, v)
             }
-            None => background.color,
+            (None, _) => background.color,
         };
         Seen {
             color,

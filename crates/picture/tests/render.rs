@@ -519,3 +519,66 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
         assert!(20 * roughness(&softened, 232) < 19 * roughness(&sharp, 232));
     }
 }
+
+/// A picture of a black hair, a share of a pixel wide, that runs slantwise across it, or past the camera.
+fn hair(width: f64, samples: u32, is_seen: bool) -> Picture {
+    let options = PictureOptions {
+        width: 120,
+        height: 80,
+        samples,
+        floor: false,
+        camera: Some(CameraPlacement {
+            place: DVec3::Z * 10.0,
+            target: DVec3::ZERO,
+            field_of_view: 25f64.to_radians(),
+        }),
+        ..PictureOptions::default()
+    };
+    let pixel = 2.0 * 12.5f64.to_radians().tan() * 10.0 / f64::from(options.height);
+    let (reach, half) = (45.0 * pixel, 0.5 * width * pixel);
+    let depth = if is_seen { 0.0 } else { 20.0 };
+    let corner = |x: f64, y: f64| DVec3::new(x, 0.31 * x + y, depth);
+    let mesh = Mesh {
+        positions: vec![
+            corner(-reach, -half),
+            corner(reach, -half),
+            corner(reach, half),
+            corner(-reach, half),
+        ],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    };
+    let shader = PlainShader::uniform([0.0; 3]);
+    let item = Item {
+        mesh: &mesh,
+        transform: DAffine3::IDENTITY,
+        shader: &shader,
+    };
+    render(&[item], &options, &Context::quiet()).unwrap()
+}
+
+#[test]
+fn hairs_thinner_than_a_pixel_are_lines_and_not_dots() {
+    let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
+    for width in [0.2, 0.4, 0.8] {
+        // How dark the hair makes each column but those at its ends.
+        let darkness = |samples: u32| -> Vec<f64> {
+            let [with, without] = [true, false].map(|is_seen| hair(width, samples, is_seen));
+            let green = |picture: &Picture, i: u32| f64::from(picture.rgb[3 * i as usize + 1]);
+            let column = |x: u32| {
+                let pixels = (0..with.height).map(|y| y * with.width + x);
+                pixels.map(|i| green(&without, i) - green(&with, i)).sum()
+            };
+            (20..with.width - 20).map(column).collect()
+        };
+        let (found, truth) = (darkness(16), mean(&darkness(1024)));
+        let error = mean(&found) / truth - 1.0;
+        assert!(error.abs() < 0.1, "{width}: {found:?}, not {truth}");
+        // Few are missed by all rays of their pixels.
+        let missed = found.iter().filter(|dark| **dark < 0.3 * truth).count();
+        assert!(
+            missed <= found.len() / 20,
+            "{width}: {found:?}, not {truth}"
+        );
+    }
+}
