@@ -4,6 +4,7 @@
 use crate::camera::Camera;
 use crate::ground::ShownGround;
 use glam::{DVec3, Vec3};
+use std::f32::consts::PI;
 
 /// A distant light: a round patch of sky, the same for the whole scene.
 pub(crate) struct Lamp {
@@ -173,12 +174,29 @@ impl Studio {
     /// mean over a hemisphere, weighted by the cosine, is two thirds.
     pub fn sky_irradiance(&self, normal: Vec3) -> Vec3 {
         let t = 0.5 + normal.dot(self.up) / 3.0;
-        (self.sky[1] + (self.sky[0] - self.sky[1]) * t) * std::f32::consts::PI
+        (self.sky[1] + (self.sky[0] - self.sky[1]) * t) * PI
     }
 
     /// Background at a point of the picture, in coordinates from −1 to 1.
     pub fn background(&self, x: f64, y: f64) -> Vec3 {
         self.background[0] + (self.background[1] - self.background[0]) * corner(x, y)
+    }
+
+    /// The colour of the ground at a point of the picture, in coordinates from −1 to 1, in light that nothing hides; detail finer than
+    /// `blur` pixels is averaged. `None` where no ground is shown.
+    pub fn ground_color(&self, camera: &Camera, [u, v]: [f64; 2], blur: f64) -> Option<Vec3> {
+        let floor = self.floor.as_ref()?;
+        let ground = floor.ground.as_ref()?;
+        let direction = camera.direction(u, v);
+        let distance = floor.distance(camera.origin, direction, self.up)?;
+        let up = self.up.as_dvec3();
+        let (color, normal) = ground.at(
+            camera.origin + direction * distance,
+            up,
+            (distance, direction.dot(up)),
+            blur,
+        );
+        Some(color * self.unshadowed(normal) / PI * self.vignette(u, v))
     }
 
     /// What a lens leaves of the light at a point of the picture, in coordinates from −1 to 1.

@@ -281,7 +281,7 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
             PROGRESS.get(step + 1).copied().unwrap_or(1.0),
         ],
     };
-    let seen = rows(0).fill(|x, y| frame.seen(x, y))?;
+    let mut seen = rows(0).fill(|x, y| frame.seen(x, y))?;
     let places: Vec<Place> = seen.par_iter().map(|s| s.place).collect();
     let neighbours = Neighbours {
         places: &places,
@@ -289,14 +289,15 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
     };
     let focus = focus(frame, &places, blur);
     let columns = frame.size[0];
+    let disc = |place: &Place| (focus.as_ref()).map_or(0.0, |focus| focus.radius(place));
+    frame.color_ground(&mut seen, disc);
     let support: Vec<f32> = (0..places.len())
         .into_par_iter()
         .map(|i| neighbours.support([i % columns, i / columns]))
         .collect();
     let light = rows(1).fill(|x, y| {
         let place = &places[y * columns + x];
-        let disc = (focus.as_ref()).map_or(0.0, |focus| focus.radius(place));
-        frame.light(&neighbours, (&support, disc), [x, y])
+        frame.light(&neighbours, (&support, disc(place)), [x, y])
     })?;
     let light = rows(2).fill(|x, y| {
         let support = support[y * columns + x];
@@ -309,6 +310,7 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
     let resolved = Resolve {
         frame,
         neighbours,
+        seen: &seen,
         light: &light,
         centres: &centres,
         focus: focus.as_ref(),

@@ -40,6 +40,9 @@ const FIRST_RAYS: u32 = 4;
 /// Relative standard error of the mean of a pixel's rays below which no more are needed. The rays are stratified: the true error is well
 /// below that of independent ones.
 const MEAN_ERROR: f32 = 0.3;
+/// Contrast of colours and cosine of normals of the same item in a pixel from which on rays do not take the appearance of others.
+const VARIED_COLOR: f32 = 0.2;
+const VARIED_NORMAL: f32 = 0.9;
 /// Most pixels over which an outline is followed from one in which rays found it, and how many pixels are resolved at once.
 const MOST_FOLLOWED: usize = 16;
 const FOLLOWED_AT_ONCE: usize = 1 << 14;
@@ -49,6 +52,8 @@ const RAYS_FOR_ALL: u32 = 64;
 const ONE_RAY_RADIUS: f32 = 2.5;
 /// Radius of the disc of a pixel from which on what is around it is spread over it enough for half as many rays.
 const UNSHARP_RADIUS: f32 = 1.5;
+/// Part of the radius of a disc over which detail of the ground is averaged before it is spread over the disc: what is as fine is lost in both.
+const AVERAGED: f32 = 0.5;
 /// Likeness of places around that together suffice to light a place.
 const MIN_LIKENESS: f32 = 0.05;
 /// Luminance that is added to both where contrast is measured: darkness hides it.
@@ -94,17 +99,62 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Frame<'_> {
-    /// What is seen at an offset from the middle of a pixel, in pixels.
-    fn look(&self, [x, y]: [usize; 2], [dx, dy]: [f32; 2], known: &[Seen]) -> Seen {
+    /// A point of the picture at an offset from the middle of a pixel, in pixels, in coordinates from −1 to 1.
+    fn point(&self, [x, y]: [usize; 2], [dx, dy]: [f32; 2]) -> [f64; 2] {
         let [width, height] = self.size.map(|n| n as f64);
-        let u = (x as f64 + 0.5 + f64::from(dx)) / width * 2.0 - 1.0;
-        let v = 1.0 - (y as f64 + 0.5 + f64::from(dy)) / height * 2.0;
-        self.scene.look(self.studio, self.camera, [u, v], known)
+        [
+            (x as f64 + 0.5 + f64::from(dx)) / width * 2.0 - 1.0,
+            1.0 - (y as f64 + 0.5 + f64::from(dy)) / height * 2.0,
+        ]
     }
 
-    /// What is seen at the middle of a pixel.
+    /// What is seen at the middle of a pixel. A ground that is shown has no colour yet.
     pub fn seen(&self, x: usize, y: usize) -> Seen {
-        self.look([x, y], [0.0, 0.0], &[])
+        let point = self.point([x, y], [0.0, 0.0]);
+        self.scene.look(self.studio, self.camera, point, &[])
+    }
+
+    /// Colours the ground at the middles of pixels; a lens spreads places over discs of a radius, pixels. Those of a cell that are spread
+    /// far have one colour.
+    pub fn color_ground(&self, seen: &mut [Seen], disc: impl Fn(&Place) -> f32 + Sync) {
+        let columns = self.size[0];
+        let bands = seen.par_chunks_mut(LIGHT_CELL * columns).enumerate();
+        bands.for_each(|(band, pixels)| {
+            let mut shared = vec![None; columns.div_ceil(LIGHT_CELL)];
+            for (i, seen) in pixels.iter_mut().enumerate() {
+                let at = [i % columns, LIGHT_CELL * band + i / columns];
+                let shared = &mut shared[at[0] / LIGHT_CELL];
+                let disc = disc(&seen.place);
+                let is_spread = is_ground(seen.place.met) && disc > ONE_RAY_RADIUS;
+                match *shared {
+                    Some(color) if is_spread => seen.color = color,
+                    _ => {
+                        let blur = f64::from((AVERAGED * disc).max(1.0));
+                        self.color_ground_at(seen, self.point(at, [0.0, 0.0]), blur);
+                        *shared = is_spread.then_some(seen.color);
+                    }
+                }
+            }
+        });
+    }
+
+    fn color_ground_at(&self, seen: &mut Seen, point: [f64; 2], blur: f64) {
+        if is_ground(seen.place.met) {
+            let color = self.studio.ground_color(self.camera, point, blur);
+            seen.color = color.unwrap_or(seen.color);
+        }
+    }
+
+    /// What a ray sees that left the middle of its pixel by an offset, in pixels, where some is `known` of what others have seen and of the
+    /// colour of the ground.
+    fn look(&self, at: [usize; 2], offset: [f32; 2], known: &[Seen], ground: Option<Vec3>) -> Seen {
+        let point = self.point(at, offset);
+        let mut seen = self.scene.look(self.studio, self.camera, point, known);
+        match ground {
+            Some(color) if is_ground(seen.place.met) => seen.color = color,
+            _ => self.color_ground_at(&mut seen, point, 1.0),
+        }
+        seen
     }
 
     /// The light at what is seen at a pixel; nothing where the filter finds it around. `support` is that of all pixels, `disc` the radius
@@ -221,6 +271,8 @@ pub(crate) struct Resolved {
 pub(crate) struct Resolve<'a> {
     pub frame: &'a Frame<'a>,
     pub neighbours: Neighbours<'a>,
+    /// What is seen at the middle of each pixel.
+    pub seen: &'a [Seen],
     /// The smoothed light at what is seen at the middle of each pixel.
     pub light: &'a [Light],
     /// The radiance of that.
@@ -255,11 +307,13 @@ impl Resolve<'_> {
         let mut rays = Vec::with_capacity(samples as usize);
         let (mut sum, mut low, mut high) = (Vec3::ZERO, f32::INFINITY, 0.0f32);
         let (mut count, mut squares, mut items) = (0, 0.0, 0);
+        let mut is_varied = false;
+        let ground = if all { None } else { self.ground_around(at) };
         while count < samples {
             let [dx, dy] = sampler.square(count, Purpose::Pixel).map(tent);
-            let may_share = !all && (is_beside_outline || count >= FIRST_RAYS);
+            let may_share = !all && count >= FIRST_RAYS && !is_varied;
             let shared: &[Seen] = if may_share { &known } else { &[] };
-            let seen = self.frame.look(at, [dx, dy], shared);
+            let seen = self.frame.look(at, [dx, dy], shared, ground);
             if known.len() < known.capacity() {
                 known.push(seen);
             }
@@ -278,6 +332,9 @@ impl Resolve<'_> {
                 FIRST_RAYS => has_outline || contrast(low, high) < RAY_CONTRAST,
                 _ => standard_error(luminance(sum), squares, count) < MEAN_ERROR,
             };
+            if count == FIRST_RAYS {
+                is_varied = varied(&known);
+            }
             if may_stop && count.is_multiple_of(FIRST_RAYS) && is_enough() {
                 break;
             }
@@ -338,6 +395,17 @@ impl Resolve<'_> {
             }
         }
         beside
+    }
+
+    /// The colour of a ground that is shown at a pixel or next to it.
+    fn ground_around(&self, at: [usize; 2]) -> Option<Vec3> {
+        self.frame.studio.floor.as_ref()?.ground.as_ref()?;
+        let offsets = [0, -1, 1];
+        let mut around = (offsets.iter()).flat_map(|dy| offsets.map(|dx| [dx, *dy]));
+        around.find_map(|off| {
+            let seen = &self.seen[self.neighbours.index(at, off)?];
+            is_ground(seen.place.met).then_some(seen.color)
+        })
     }
 
     /// One over the distance of a place, 1/m; the same for all where none is asked for.
@@ -453,6 +521,16 @@ fn standard_error(sum: f32, squares: f32, count: u32) -> f32 {
     let mean = sum / n;
     let variance = (squares / n - mean * mean).max(0.0) / n;
     variance.sqrt() / (mean + CONTRAST_BASE)
+}
+
+/// Whether the same item looks unlike itself at some places.
+fn varied(seen: &[Seen]) -> bool {
+    let is_unlike = |a: &Seen, b: &Seen| {
+        a.place.met == b.place.met
+            && (contrast(luminance(a.color), luminance(b.color)) > VARIED_COLOR
+                || a.normal.dot(b.normal) < VARIED_NORMAL)
+    };
+    (1..seen.len()).any(|i| seen[..i].iter().any(|a| is_unlike(a, &seen[i])))
 }
 
 /// How much two luminances differ.

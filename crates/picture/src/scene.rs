@@ -8,7 +8,6 @@ use crate::light::Studio;
 use crate::shader::Hit;
 use crate::surface::{Met, Place, Seen, single, valid_appearance};
 use glam::{DVec3, Vec3};
-use std::f32::consts::PI;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The items in a hierarchy.
@@ -241,7 +240,7 @@ impl<'a> Scene<'a> {
     }
 
     /// What a camera ray through a point of the picture sees, in coordinates from −1 to 1. Where that is nearly the same place as one of
-    /// `known`, its appearance is that one's, because detail finer than a pixel is averaged anyway.
+    /// `known`, its appearance is that one's, because detail finer than a pixel is averaged anyway. A ground that is shown has no colour yet.
     pub fn look(&self, studio: &Studio, camera: &Camera, [u, v]: [f64; 2], known: &[Seen]) -> Seen {
         let direction = camera.direction(u, v);
         // f32 is too coarse far from the scene: the ray starts at the bounding sphere.
@@ -258,7 +257,7 @@ impl<'a> Scene<'a> {
             .and_then(|floor| floor.distance(camera.origin, direction, studio.up));
         let found = found.filter(|f| floor.is_none_or(|d| f64::from(f.distance) + ahead <= d));
         let Some(found) = found else {
-            return self.beyond_items(studio, camera, (direction, [u, v]), known);
+            return self.beyond_items(studio, camera, direction, [u, v]);
         };
         let (item, triangle) = self.item_of(found.triangle);
         let mut hit = self.hit(item, triangle, found.weights, direction);
@@ -309,8 +308,8 @@ impl<'a> Scene<'a> {
         &self,
         studio: &Studio,
         camera: &Camera,
-        (direction, [u, v]): (DVec3, [f64; 2]),
-        known: &[Seen],
+        direction: DVec3,
+        [u, v]: [f64; 2],
     ) -> Seen {
         let to_viewer = -direction.as_vec3();
         let background = Seen {
@@ -341,17 +340,9 @@ impl<'a> Scene<'a> {
             return background;
         }
         let fade = away.clamp(0.0, 1.0) as f32;
-        // The ground is averaged over a pixel.
-        let is_ground = |seen: &&Seen| matches!(seen.place.met, Met::Floor | Met::FarGround);
-        let color = match (&floor.ground, known.iter().find(is_ground)) {
-            (Some(_), Some(seen)) => seen.color,
-            (Some(ground), None) => {
-                let at = camera.origin + direction * distance;
-                let slant = (distance, direction.dot(studio.up.as_dvec3()));
-                let (color, normal) = ground.at(at, studio.up.as_dvec3(), slant);
-                color * studio.unshadowed(normal) / PI * studio.vignette(u, v)
-            }
-            (None, _) => background.color,
+        let color = match &floor.ground {
+            Some(_) => Vec3::ZERO,
+            None => background.color,
         };
         Seen {
             color,

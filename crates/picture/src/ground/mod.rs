@@ -87,11 +87,17 @@ impl ShownGround {
     }
 
     /// The colour, and the upward normal tilted by the relief, where a ray that falls by `fall` per unit of length meets the ground at
-    /// a distance, m.
-    pub fn at(&self, position: DVec3, up: DVec3, (distance, fall): (f64, f64)) -> (Vec3, Vec3) {
+    /// a distance, m. Detail finer than `blur` pixels is averaged.
+    pub fn at(
+        &self,
+        position: DVec3,
+        up: DVec3,
+        (distance, fall): (f64, f64),
+        blur: f64,
+    ) -> (Vec3, Vec3) {
         let off = position - self.origin;
         let place = DVec2::new(off.dot(self.axes[0]), off.dot(self.axes[1])).as_vec2();
-        let footprint = self.pixel_size * distance / fall.abs().max(LEAST_FALL).sqrt();
+        let footprint = blur * self.pixel_size * distance / fall.abs().max(LEAST_FALL).sqrt();
         let GroundSurface { color, slope } = match self.kind {
             Ground::Litter => litter::litter(place, footprint as f32),
             Ground::Concrete => concrete::concrete(place, footprint as f32),
