@@ -12,16 +12,16 @@ const WIDE: f64 = 0.22;
 const STRAP_LENGTH: (f64, f64) = (3e-3, 9e-3);
 const STRAP_WIDTH: (f64, f64) = (0.9e-3, 2.5e-3);
 const STRING_LENGTH: (f64, f64) = (1.3e-3, 6.5e-3);
-const STRING_WIDTH: (f64, f64) = (0.18e-3, 0.68e-3);
+const STRING_WIDTH: (f64, f64) = (0.14e-3, 0.6e-3);
 /// Thickness over width, and the range of the thickness, m: bast tears into flat layers.
 const FLATNESS: f64 = 0.2;
 const THICKNESS: (f64, f64) = (0.04e-3, 0.16e-3);
 /// Depth of their roots in the bark, m.
 const DEPTH: f64 = 0.4e-3;
 /// Share that was folded outwards, so that it hangs, between which parts of its length, and by which angles, degrees.
-const HANGING: f64 = 0.3;
+const HANGING: f64 = 0.1;
 const KINK_PLACES: (f64, f64) = (0.33, 0.63);
-const KINKS: (f64, f64) = (35.0, 130.0);
+const KINKS: (f64, f64) = (20.0, 75.0);
 /// Part of the distance from the pith at which the bast lies that a strap tore off with: it roots in the whole of the bark.
 const INWARDS: f64 = 0.978;
 
@@ -94,7 +94,7 @@ impl Draw<'_> {
                     false => 0.6 * (random(15) - 0.5),
                 },
                 lift: 0.05 + 0.25 * random(16),
-                curl: 0.45 + 0.5 * random(17) * random(17) + 0.3 * curl + 0.2 * own(2),
+                curl: 0.2 + 0.35 * random(17) * random(17) + 0.3 * curl + 0.2 * own(2),
                 sway: 0.6 * sway + 0.3 * middle + 0.2 * (own(3) - 0.5),
                 ends: [4, 5, 6].map(|k| 1.0 - 0.3 * own(k)),
                 ring: 0.0,

@@ -12,14 +12,14 @@ const COUNT_BETWEEN: i64 = 1500;
 /// Least length and what the longest has more, m, on a stem of the reference radius, of slivers, of crumbs, and of flakes of bark; most are
 /// short.
 const SLIVER_LENGTHS: (f64, f64) = (0.8e-3, 19e-3);
-const CRUMB_LENGTHS: (f64, f64) = (0.2e-3, 2.4e-3);
+const CRUMB_LENGTHS: (f64, f64) = (0.2e-3, 4.5e-3);
 const FLAKE_LENGTHS: (f64, f64) = (0.4e-3, 6.5e-3);
 /// Radius (m) of the stem on which chips have these lengths, and the range of the factor on them on others.
 const REFERENCE_RADIUS: f64 = 0.02;
 const SIZE_RANGE: (f64, f64) = (0.35, 4.0);
 /// Widths of slivers, crumbs and flakes as a part of their length, and thicknesses as a part of their width.
 const SLIVER_WIDTHS: (f64, f64) = (0.03, 0.16);
-const CRUMB_WIDTHS: (f64, f64) = (0.15, 0.55);
+const CRUMB_WIDTHS: (f64, f64) = (0.04, 0.22);
 const FLAKE_WIDTHS: (f64, f64) = (0.3, 0.8);
 const THICKNESSES: (f64, f64) = (0.25, 0.9);
 /// Width of the laths that a wide chip is torn from, m on a stem of the reference radius; how many it has at most; their thickness as a
@@ -35,7 +35,7 @@ const FLAKE_LATHS: f64 = 2.0;
 const FLAKE_THICKNESSES: (f64, f64) = (0.1, 0.4);
 const FLAKES_TORN: f64 = 0.5;
 /// Least width, m on a stem of the reference radius.
-const LEAST_WIDTH: f64 = 0.22e-3;
+const LEAST_WIDTH: f64 = 0.13e-3;
 /// How far from a piece's middle chips lie, in half its widths: from the piece's outside, most of them near.
 const DISTANCES: (f64, f64) = (1.02, 2.6);
 /// How far chips between the pieces lie from the middle between them at most, and from the middle of each at least, in widths of the
