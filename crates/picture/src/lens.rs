@@ -10,13 +10,12 @@ const SPREAD: f32 = 1.5;
 const FULL_HEIGHT: f32 = 900.0;
 /// What a softness of 1 scatters: standard deviation, in heights of the picture, and share of the light.
 const GLARE: [(f32, f32); 2] = [(5.5e-3, 0.024), (0.055, 0.012)];
-/// Standard deviation below which nothing is spread, pixels, and that up to which weights are summed pixel by pixel.
+/// Standard deviation below which nothing is spread, pixels.
 const LEAST_DEVIATION: f32 = 0.1;
-const LARGEST_SUMMED: f32 = 6.0;
+/// Standard deviation in blocks of pixels down to which the means of blocks stand for pixels.
+const COARSEST_DEVIATION: f32 = 2.4;
 /// Deviations to which weights are summed.
 const REACH: f32 = 3.5;
-/// Means over a row of pixels that follow each other are nearly normal (Wells 1986).
-const BOXES: usize = 3;
 /// Columns that are turned into rows at once.
 const TURNED_TOGETHER: usize = 16;
 
@@ -42,18 +41,75 @@ fn spread(pixels: &[Vec3], size: [usize; 2], deviation: f32) -> Vec<Vec3> {
     if deviation < LEAST_DEVIATION {
         return pixels.to_vec();
     }
-    let once = |pixels: &[Vec3], size: [usize; 2]| match deviation <= LARGEST_SUMMED {
-        true => summed(pixels, size, deviation),
-        false => {
-            // The variance of a mean over n pixels is (n² − 1) / 12.
-            let square = 12.0 * deviation * deviation / BOXES as f32 + 1.0;
-            let reach = (0.5 * (square.sqrt() - 1.0)).round() as usize;
-            (0..BOXES).fold(pixels.to_vec(), |p, _| averaged(&p, size, reach))
-        }
-    };
-    let across = turned(&once(pixels, size), size);
+    let mut side = 1;
+    while deviation >= COARSEST_DEVIATION * 2.0 * side as f32 {
+        side *= 2;
+    }
+    if side == 1 {
+        return spread_pixels(pixels, size, deviation);
+    }
+    // The mean over a block and what lies between the middles of blocks spread light by side² / 12 and side² / 6, too.
+    let width = side as f32;
+    let square = deviation * deviation - 0.25 * width * width;
+    let (means, blocks) = block_means(pixels, size, side);
+    let spread = spread_pixels(&means, blocks, square.sqrt() / width);
+    between_blocks(&spread, blocks, size, side)
+}
+
+/// The same, pixel by pixel.
+fn spread_pixels(pixels: &[Vec3], size: [usize; 2], deviation: f32) -> Vec<Vec3> {
+    let across = turned(&summed(pixels, size, deviation), size);
     let size = [size[1], size[0]];
-    turned(&once(&across, size), size)
+    turned(&summed(&across, size, deviation), size)
+}
+
+/// The means of square blocks of pixels, and how many there are; blocks at the edges have fewer pixels.
+fn block_means(
+    pixels: &[Vec3],
+    [width, height]: [usize; 2],
+    side: usize,
+) -> (Vec<Vec3>, [usize; 2]) {
+    let blocks = [width, height].map(|n| n.div_ceil(side));
+    let mean = |i: usize| {
+        let [x, y] = [i % blocks[0], i / blocks[0]].map(|k| k * side);
+        let (right, bottom) = ((x + side).min(width), (y + side).min(height));
+        let rows = (y..bottom).map(|row| &pixels[row * width + x..row * width + right]);
+        let sum: Vec3 = rows.flatten().sum();
+        sum / ((right - x) * (bottom - y)) as f32
+    };
+    let count = blocks[0] * blocks[1];
+    ((0..count).into_par_iter().map(mean).collect(), blocks)
+}
+
+/// The pixels between the middles of blocks, linearly.
+fn between_blocks(
+    means: &[Vec3],
+    blocks: [usize; 2],
+    [width, height]: [usize; 2],
+    side: usize,
+) -> Vec<Vec3> {
+    let place = |at: usize, axis: usize| {
+        let place = ((at as f32 + 0.5) / side as f32 - 0.5).max(0.0);
+        let first = place as usize;
+        (
+            first,
+            (first + 1).min(blocks[axis] - 1),
+            place - first as f32,
+        )
+    };
+    let columns: Vec<_> = (0..width).map(|x| place(x, 0)).collect();
+    let mut made = vec![Vec3::ZERO; width * height];
+    let rows = made.par_chunks_mut(width).enumerate();
+    rows.for_each(|(y, row)| {
+        let (top, bottom, down) = place(y, 1);
+        let mean = |x: usize, y: usize| means[y * blocks[0] + x];
+        for (pixel, &(left, right, along)) in row.iter_mut().zip(&columns) {
+            let upper = mean(left, top).lerp(mean(right, top), along);
+            let lower = mean(left, bottom).lerp(mean(right, bottom), along);
+            *pixel = upper.lerp(lower, down);
+        }
+    });
+    made
 }
 
 /// Rows and columns exchanged.
@@ -86,20 +142,6 @@ fn summed(pixels: &[Vec3], [width, _]: [usize; 2], deviation: f32) -> Vec<Vec3> 
     };
     rows(pixels, width, |row, out| {
         (0..).zip(out).for_each(|(x, out)| *out = pixel(row, x));
-    })
-}
-
-/// Means of the pixels of each row at most `reach` from each.
-fn averaged(pixels: &[Vec3], [width, _]: [usize; 2], reach: usize) -> Vec<Vec3> {
-    let part = 1.0 / (2 * reach + 1) as f64;
-    rows(pixels, width, |row, out| {
-        let at = |k: i64| row[k.clamp(0, width as i64 - 1) as usize].as_dvec3();
-        let reach = reach as i64;
-        let mut sum: glam::DVec3 = (-reach - 1..reach).map(at).sum();
-        for (x, out) in (0..).zip(out) {
-            sum += at(x + reach) - at(x - reach - 1);
-            *out = (sum * part).as_vec3();
-        }
     })
 }
 
