@@ -43,6 +43,8 @@ const MEAN_ERROR: f32 = 0.3;
 /// Contrast of colours and cosine of normals of the same item in a pixel from which on rays do not take the appearance of others.
 const VARIED_COLOR: f32 = 0.2;
 const VARIED_NORMAL: f32 = 0.9;
+/// How many times as far as what is before it something lies past an outline.
+const FARTHER: f32 = 1.03;
 /// Most pixels over which an outline is followed from one in which rays found it, and how many pixels are resolved at once.
 const MOST_FOLLOWED: usize = 16;
 const FOLLOWED_AT_ONCE: usize = 1 << 14;
@@ -263,7 +265,7 @@ impl Frame<'_> {
 #[derive(Clone, Copy)]
 pub(crate) struct Resolved {
     pub pixel: Pixel,
-    /// Whether its rays met items and also what lies past them.
+    /// Whether its rays met something and also what lies far behind it.
     has_outline: bool,
 }
 
@@ -306,8 +308,9 @@ impl Resolve<'_> {
         let mut known = Vec::with_capacity(samples.min(RAYS_FOR_ALL) as usize);
         let mut rays = Vec::with_capacity(samples as usize);
         let (mut sum, mut low, mut high) = (Vec3::ZERO, f32::INFINITY, 0.0f32);
-        let (mut count, mut squares, mut items) = (0, 0.0, 0);
-        let mut is_varied = false;
+        let (mut count, mut squares) = (0, 0.0);
+        let mut depths = Extremes::NONE;
+        let (mut is_varied, mut has_outline) = (false, false);
         let ground = if all { None } else { self.ground_around(at) };
         while count < samples {
             let [dx, dy] = sampler.square(count, Purpose::Pixel).map(tent);
@@ -325,8 +328,8 @@ impl Resolve<'_> {
             sum += radiance;
             squares += brightness * brightness;
             count += 1;
-            items += u32::from(matches!(seen.place.met, Met::Item(_)));
-            let has_outline = 0 < items && items < count;
+            depths.include(depth(&seen.place));
+            has_outline = depths.high > FARTHER * depths.low;
             let is_enough = || match count {
                 // It is looked at once more, with those beside it.
                 FIRST_RAYS => has_outline || contrast(low, high) < RAY_CONTRAST,
@@ -341,7 +344,7 @@ impl Resolve<'_> {
         }
         Resolved {
             pixel: Pixel::of_rays(&rays),
-            has_outline: 0 < items && items < count,
+            has_outline,
         }
     }
 
@@ -507,6 +510,14 @@ impl Resolve<'_> {
             lamps: sum.lamps.map(|v| v / total),
             indirect: sum.indirect / total,
         }
+    }
+}
+
+/// How far off a place is, as the size of a pixel there, m.
+fn depth(place: &Place) -> f32 {
+    match place.met {
+        Met::Background => f32::INFINITY,
+        _ => place.footprint,
     }
 }
 

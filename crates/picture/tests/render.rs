@@ -520,8 +520,9 @@ fn a_ground_has_figure_and_shadows_and_is_blurred_far_away() {
     }
 }
 
-/// A picture of a black hair, a share of a pixel wide, that runs slantwise across it, or past the camera.
-fn hair(width: f64, samples: u32, is_seen: bool) -> Picture {
+/// A picture of a black hair, a share of a pixel wide, that runs slantwise across it, or past the camera, before the background or a wall
+/// far behind it.
+fn hair(width: f64, samples: u32, is_seen: bool, has_wall: bool) -> Picture {
     let options = PictureOptions {
         width: 120,
         height: 80,
@@ -536,34 +537,39 @@ fn hair(width: f64, samples: u32, is_seen: bool) -> Picture {
     };
     let pixel = 2.0 * 12.5f64.to_radians().tan() * 10.0 / f64::from(options.height);
     let (reach, half) = (45.0 * pixel, 0.5 * width * pixel);
-    let depth = if is_seen { 0.0 } else { 20.0 };
-    let corner = |x: f64, y: f64| DVec3::new(x, 0.31 * x + y, depth);
-    let mesh = Mesh {
-        positions: vec![
-            corner(-reach, -half),
-            corner(reach, -half),
-            corner(reach, half),
-            corner(-reach, half),
-        ],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
+    let strip = |[reach, half]: [f64; 2], depth: f64| {
+        let corner = |x: f64, y: f64| DVec3::new(x, 0.31 * x + y, depth);
+        Mesh {
+            positions: vec![
+                corner(-reach, -half),
+                corner(reach, -half),
+                corner(reach, half),
+                corner(-reach, half),
+            ],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        }
     };
-    let shader = PlainShader::uniform([0.0; 3]);
-    let item = Item {
-        mesh: &mesh,
+    let hair = strip([reach, half], if is_seen { 0.0 } else { 20.0 });
+    let wall = strip([10.0, 10.0], if has_wall { -3.0 } else { 30.0 });
+    let [black, white] = [0.0, 0.9].map(|color| PlainShader::uniform([color; 3]));
+    let items = [(&hair, &black), (&wall, &white)].map(|(mesh, shader)| Item {
+        mesh,
         transform: DAffine3::IDENTITY,
-        shader: &shader,
-    };
-    render(&[item], &options, &Context::quiet()).unwrap()
+        shader,
+    });
+    render(&items, &options, &Context::quiet()).unwrap()
 }
 
 #[test]
 fn hairs_thinner_than_a_pixel_are_lines_and_not_dots() {
     let mean = |all: &[f64]| all.iter().sum::<f64>() / all.len() as f64;
-    for width in [0.2, 0.4, 0.8] {
+    let widths = [0.2, 0.4, 0.8].into_iter();
+    for (width, has_wall) in widths.flat_map(|width| [(width, false), (width, true)]) {
         // How dark the hair makes each column but those at its ends.
         let darkness = |samples: u32| -> Vec<f64> {
-            let [with, without] = [true, false].map(|is_seen| hair(width, samples, is_seen));
+            let [with, without] =
+                [true, false].map(|is_seen| hair(width, samples, is_seen, has_wall));
             let green = |picture: &Picture, i: u32| f64::from(picture.rgb[3 * i as usize + 1]);
             let column = |x: u32| {
                 let pixels = (0..with.height).map(|y| y * with.width + x);
@@ -573,7 +579,10 @@ fn hairs_thinner_than_a_pixel_are_lines_and_not_dots() {
         };
         let (found, truth) = (darkness(16), mean(&darkness(1024)));
         let error = mean(&found) / truth - 1.0;
-        assert!(error.abs() < 0.1, "{width}: {found:?}, not {truth}");
+        assert!(
+            error.abs() < 0.1,
+            "{width}, {has_wall}: {found:?}, not {truth}"
+        );
         // Few are missed by all rays of their pixels.
         let missed = found.iter().filter(|dark| **dark < 0.3 * truth).count();
         assert!(
