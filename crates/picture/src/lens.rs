@@ -1,6 +1,7 @@
 //! The softness of a lens: its glass spreads every point a little, and scatters a small part of the light about, so that what is bright
 //! has a faint glow and no edge is as sharp as a pixel.
 
+use crate::enlarge::enlarge;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -53,7 +54,7 @@ fn spread(pixels: &[Vec3], size: [usize; 2], deviation: f32) -> Vec<Vec3> {
     let square = deviation * deviation - 0.25 * width * width;
     let (means, blocks) = block_means(pixels, size, side);
     let spread = spread_pixels(&means, blocks, square.sqrt() / width);
-    between_blocks(&spread, blocks, size, side)
+    enlarge(&spread, blocks, size, [1.0 / width; 2])
 }
 
 /// The same, pixel by pixel.
@@ -79,37 +80,6 @@ fn block_means(
     };
     let count = blocks[0] * blocks[1];
     ((0..count).into_par_iter().map(mean).collect(), blocks)
-}
-
-/// The pixels between the middles of blocks, linearly.
-fn between_blocks(
-    means: &[Vec3],
-    blocks: [usize; 2],
-    [width, height]: [usize; 2],
-    side: usize,
-) -> Vec<Vec3> {
-    let place = |at: usize, axis: usize| {
-        let place = ((at as f32 + 0.5) / side as f32 - 0.5).max(0.0);
-        let first = place as usize;
-        (
-            first,
-            (first + 1).min(blocks[axis] - 1),
-            place - first as f32,
-        )
-    };
-    let columns: Vec<_> = (0..width).map(|x| place(x, 0)).collect();
-    let mut made = vec![Vec3::ZERO; width * height];
-    let rows = made.par_chunks_mut(width).enumerate();
-    rows.for_each(|(y, row)| {
-        let (top, bottom, down) = place(y, 1);
-        let mean = |x: usize, y: usize| means[y * blocks[0] + x];
-        for (pixel, &(left, right, along)) in row.iter_mut().zip(&columns) {
-            let upper = mean(left, top).lerp(mean(right, top), along);
-            let lower = mean(left, bottom).lerp(mean(right, bottom), along);
-            *pixel = upper.lerp(lower, down);
-        }
-    });
-    made
 }
 
 /// Rows and columns exchanged.

@@ -4,6 +4,7 @@
 use crate::camera::{Camera, CameraPlacement, Sphere, View};
 use crate::coin::Coin;
 use crate::denoise::{Neighbours, smooth};
+use crate::enlarge::enlarged;
 use crate::error::{MAX_SAMPLES, MAX_SIDE, PictureError};
 use crate::focus::{Distances, Focus, Lens, Spreading, depth_of_field};
 use crate::ground::{FallenLeaves, Ground, ShownGround};
@@ -12,7 +13,7 @@ use crate::layers::Pixel;
 use crate::lens::soften;
 use crate::light::Studio;
 use crate::picture::{Film, Picture};
-use crate::resolve::{Frame, Resolve};
+use crate::resolve::{CELL, Frame, Resolve};
 use crate::scene::{Scene, world_points};
 use crate::shader::Shader;
 use crate::surface::Place;
@@ -235,7 +236,7 @@ pub fn render(
     };
     let radiance = radiance(&frame, Blur::of(options, is_ground_shown), context)?;
     let radiance = soften(radiance, frame.size, softness);
-    let radiance = enlarge(radiance, rendered, size);
+    let radiance = enlarged(radiance, frame.size, size.map(|n| n as usize));
     Ok(Picture::from_radiance(size, &radiance, film, grain))
 }
 
@@ -290,7 +291,13 @@ fn radiance(frame: &Frame, blur: Blur, context: &Context) -> Result<Vec<Vec3>, P
     let focus = focus(frame, &places, blur);
     let columns = frame.size[0];
     let disc = |place: &Place| (focus.as_ref()).map_or(0.0, |focus| focus.radius(place));
-    frame.color_ground(&mut seen, disc);
+    // Band by band, so that a picture can be cancelled.
+    let cells = BAND_ROWS * rayon::current_num_threads().max(1);
+    for (band, seen) in seen.chunks_mut(cells * CELL * columns).enumerate() {
+        context.report(PROGRESS[1])?;
+        let rows = seen.par_chunks_mut(CELL * columns).enumerate();
+        rows.for_each(|(row, seen)| frame.color_ground(band * cells + row, seen, disc));
+    }
     let support: Vec<f32> = (0..places.len())
         .into_par_iter()
         .map(|i| neighbours.support([i % columns, i / columns]))
@@ -344,33 +351,6 @@ fn focus(frame: &Frame, places: &[Place], blur: Blur) -> Option<Focus> {
         distances,
         height: frame.size[1],
     })
-}
-
-/// Enlarges the pixels of a picture to another size, linearly between their middles.
-fn enlarge(pixels: Vec<Vec3>, from: [u32; 2], to: [u32; 2]) -> Vec<Vec3> {
-    if from == to {
-        return pixels;
-    }
-    // Where a middle of the larger picture lies between two of the smaller, and how near it is to the second.
-    let between = |at: u32, axis: usize| {
-        let scale = from[axis] as f32 / to[axis] as f32;
-        let place = ((at as f32 + 0.5) * scale - 0.5).clamp(0.0, (from[axis] - 1) as f32);
-        let first = (place as u32).min(from[axis].saturating_sub(2));
-        let second = (first + 1).min(from[axis] - 1);
-        (first, second, place - first as f32)
-    };
-    let row = |y: u32| {
-        let (top, bottom, down) = between(y, 1);
-        let pixels = &pixels;
-        (0..to[0]).map(move |x| {
-            let (left, right, along) = between(x, 0);
-            let at = |x: u32, y: u32| pixels[(y * from[0] + x) as usize];
-            let upper = at(left, top).lerp(at(right, top), along);
-            let lower = at(left, bottom).lerp(at(right, bottom), along);
-            upper.lerp(lower, down)
-        })
-    };
-    (0..to[1]).into_par_iter().flat_map_iter(row).collect()
 }
 
 /// How the values of all pixels are found: band by band, so that a picture can be cancelled.

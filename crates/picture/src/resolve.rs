@@ -3,7 +3,6 @@
 
 use crate::camera::Camera;
 use crate::denoise::{Neighbours, likeness};
-use crate::error::PictureError;
 use crate::focus::Focus;
 use crate::layers::Pixel;
 use crate::light::{Light, Studio, Traced, luminance};
@@ -11,8 +10,6 @@ use crate::sampling::{Purpose, Sampler};
 use crate::scene::Scene;
 use crate::surface::{Met, Place, Seen};
 use glam::Vec3;
-use greenstick_geometry::Context;
-use rayon::prelude::*;
 
 /// Pixels around one that show its surface too, of 24, below which it takes twice as many rays for its light: the filter
 /// cannot help it.
@@ -23,9 +20,10 @@ const SMOOTH_SUPPORT: f32 = 14.0;
 const SOFT_SHADOW: f32 = 0.2;
 /// How many times as many rays to the key light a pixel in its soft shadow takes.
 const MORE_RAYS: u32 = 4;
-/// Side of the cells of pixels on smooth surfaces in which light is traced at the first one alone, pixels, and likeness to it from which
-/// on another one goes without.
-const LIGHT_CELL: usize = 2;
+/// Side of cells, pixels: light on smooth surfaces is traced at the first pixel of one alone, and a ground that is spread far has one colour
+/// there.
+pub(crate) const CELL: usize = 2;
+/// Likeness to the first pixel of its cell from which on another one goes without light of its own.
 const FILLED_IN_LIKENESS: f32 = 0.5;
 /// Difference of the indirect light around a pixel, as a part of the greatest, from which on it needs light of its own.
 const VARIED_INDIRECT: f32 = 0.85;
@@ -36,20 +34,17 @@ const DETAIL_CONTRAST: f32 = 0.4;
 /// The same between the first rays of a pixel, from which on more are needed.
 const RAY_CONTRAST: f32 = 0.35;
 /// Rays of a pixel before it is decided whether the others are needed.
-const FIRST_RAYS: u32 = 4;
+pub(crate) const FIRST_RAYS: u32 = 4;
 /// Relative standard error of the mean of a pixel's rays below which no more are needed. The rays are stratified: the true error is well
 /// below that of independent ones.
 const MEAN_ERROR: f32 = 0.3;
 /// Contrast of colours and cosine of normals of the same item in a pixel from which on rays do not take the appearance of others.
 const VARIED_COLOR: f32 = 0.2;
 const VARIED_NORMAL: f32 = 0.9;
-/// How many times as far as what is before it something lies past an outline.
+/// How many times as far as an item something lies past its outline.
 const FARTHER: f32 = 1.03;
-/// Most pixels over which an outline is followed from one in which rays found it, and how many pixels are resolved at once.
-const MOST_FOLLOWED: usize = 16;
-const FOLLOWED_AT_ONCE: usize = 1 << 14;
 /// Rays per pixel from which on every pixel takes all of them.
-const RAYS_FOR_ALL: u32 = 64;
+pub(crate) const RAYS_FOR_ALL: u32 = 64;
 /// Radius of the disc of an unsharp pixel from which on one ray of each kind stands for it, pixels.
 const ONE_RAY_RADIUS: f32 = 2.5;
 /// Radius of the disc of a pixel from which on what is around it is spread over it enough for half as many rays.
@@ -116,28 +111,25 @@ impl Frame<'_> {
         self.scene.look(self.studio, self.camera, point, &[])
     }
 
-    /// Colours the ground at the middles of pixels; a lens spreads places over discs of a radius, pixels. Those of a cell that are spread
-    /// far have one colour.
-    pub fn color_ground(&self, seen: &mut [Seen], disc: impl Fn(&Place) -> f32 + Sync) {
+    /// Colours the ground in a row of cells, of which `seen` is what is seen at the middles of its pixels; a lens spreads places over discs
+    /// of a radius, pixels.
+    pub fn color_ground(&self, row: usize, seen: &mut [Seen], disc: impl Fn(&Place) -> f32) {
         let columns = self.size[0];
-        let bands = seen.par_chunks_mut(LIGHT_CELL * columns).enumerate();
-        bands.for_each(|(band, pixels)| {
-            let mut shared = vec![None; columns.div_ceil(LIGHT_CELL)];
-            for (i, seen) in pixels.iter_mut().enumerate() {
-                let at = [i % columns, LIGHT_CELL * band + i / columns];
-                let shared = &mut shared[at[0] / LIGHT_CELL];
-                let disc = disc(&seen.place);
-                let is_spread = is_ground(seen.place.met) && disc > ONE_RAY_RADIUS;
-                match *shared {
-                    Some(color) if is_spread => seen.color = color,
-                    _ => {
-                        let blur = f64::from((AVERAGED * disc).max(1.0));
-                        self.color_ground_at(seen, self.point(at, [0.0, 0.0]), blur);
-                        *shared = is_spread.then_some(seen.color);
-                    }
+        let mut shared = vec![None; columns.div_ceil(CELL)];
+        for (i, seen) in seen.iter_mut().enumerate() {
+            let at = [i % columns, CELL * row + i / columns];
+            let shared = &mut shared[at[0] / CELL];
+            let disc = disc(&seen.place);
+            let is_spread = is_ground(seen.place.met) && disc > ONE_RAY_RADIUS;
+            match *shared {
+                Some(color) if is_spread => seen.color = color,
+                _ => {
+                    let blur = f64::from((AVERAGED * disc).max(1.0));
+                    self.color_ground_at(seen, self.point(at, [0.0, 0.0]), blur);
+                    *shared = is_spread.then_some(seen.color);
                 }
             }
-        });
+        }
     }
 
     fn color_ground_at(&self, seen: &mut Seen, point: [f64; 2], blur: f64) {
@@ -189,7 +181,7 @@ impl Frame<'_> {
 
     /// The first pixel of the cell of a pixel.
     fn first(&self, at: [usize; 2]) -> usize {
-        let [x, y] = at.map(|k| k - k % LIGHT_CELL);
+        let [x, y] = at.map(|k| k - k % CELL);
         y * self.size[0] + x
     }
 
@@ -265,8 +257,8 @@ impl Frame<'_> {
 #[derive(Clone, Copy)]
 pub(crate) struct Resolved {
     pub pixel: Pixel,
-    /// Whether its rays met something and also what lies far behind it.
-    has_outline: bool,
+    /// Whether its rays met an item, and also what lies far behind or before that.
+    pub has_outline: bool,
 }
 
 /// What is known before pixels are resolved.
@@ -310,7 +302,7 @@ impl Resolve<'_> {
         let (mut sum, mut low, mut high) = (Vec3::ZERO, f32::INFINITY, 0.0f32);
         let (mut count, mut squares) = (0, 0.0);
         let mut depths = Extremes::NONE;
-        let (mut is_varied, mut has_outline) = (false, false);
+        let (mut is_varied, mut has_item, mut has_outline) = (false, false, false);
         let ground = if all { None } else { self.ground_around(at) };
         while count < samples {
             let [dx, dy] = sampler.square(count, Purpose::Pixel).map(tent);
@@ -329,7 +321,8 @@ impl Resolve<'_> {
             squares += brightness * brightness;
             count += 1;
             depths.include(depth(&seen.place));
-            has_outline = depths.high > FARTHER * depths.low;
+            has_item |= matches!(seen.place.met, Met::Item(_));
+            has_outline = has_item && depths.high > FARTHER * depths.low;
             let is_enough = || match count {
                 // It is looked at once more, with those beside it.
                 FIRST_RAYS => has_outline || contrast(low, high) < RAY_CONTRAST,
@@ -346,58 +339,6 @@ impl Resolve<'_> {
             pixel: Pixel::of_rays(&rays),
             has_outline,
         }
-    }
-
-    /// Follows outlines from the pixels that have some to those beside them, and takes all rays there: a hair may be so thin that the
-    /// middles of pixels, and the first rays of others, met it here and there only.
-    ///
-    /// # Errors
-    /// [`PictureError`] if the caller asked to stop.
-    pub fn follow_outlines(
-        &self,
-        pixels: &mut [Resolved],
-        (context, progress): (&Context, f64),
-    ) -> Result<(), PictureError> {
-        if !(FIRST_RAYS + 1..RAYS_FOR_ALL).contains(&self.frame.samples) {
-            return Ok(());
-        }
-        let width = self.frame.size[0];
-        let mut is_known = vec![false; pixels.len()];
-        let mut ends: Vec<usize> = (0..pixels.len())
-            .filter(|i| pixels[*i].has_outline)
-            .collect();
-        for _ in 0..MOST_FOLLOWED {
-            let beside = self.new_beside(&ends, &mut is_known);
-            ends.clear();
-            for some in beside.chunks(FOLLOWED_AT_ONCE) {
-                context.report(progress)?;
-                let resolved: Vec<Resolved> = (some.par_iter())
-                    .map(|i| self.pixel([i % width, i / width], true))
-                    .collect();
-                for (i, resolved) in some.iter().zip(resolved) {
-                    let before = std::mem::replace(&mut pixels[*i], resolved);
-                    if resolved.has_outline && !before.has_outline {
-                        ends.push(*i);
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns the pixels next to some, and themselves, that are not known yet.
-    fn new_beside(&self, some: &[usize], is_known: &mut [bool]) -> Vec<usize> {
-        let [width, height] = self.frame.size;
-        let mut beside = Vec::new();
-        for pixel in some {
-            let (x, y) = (pixel % width, pixel / width);
-            let columns = x.saturating_sub(1)..(x + 2).min(width);
-            for row in y.saturating_sub(1)..(y + 2).min(height) {
-                let new = columns.clone().map(|column| row * width + column);
-                beside.extend(new.filter(|i| !std::mem::replace(&mut is_known[*i], true)));
-            }
-        }
-        beside
     }
 
     /// The colour of a ground that is shown at a pixel or next to it.
