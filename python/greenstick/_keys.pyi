@@ -310,12 +310,12 @@ class RequestAttributes:
     def camera(self, value: str | float | None) -> None: ...
     @property
     def close_up(self) -> float | None:
-        """How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; 'auto' shows everything. Unit: one."""
+        """How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; 'auto' shows everything, or nine diameters of simulated wood in which the break would be too small to be seen. Unit: one."""
     @close_up.setter
     def close_up(self, value: float | str | None) -> None: ...
     @property
     def ground(self) -> Literal["plain", "bench", "concrete", "litter"] | None:
-        """What the wood stands on; 'auto' puts a break on a floor of concrete, a large one on fallen leaves, and anything else before the plain backdrop."""
+        """What the wood stands on; 'auto' puts broken and simulated wood on a floor of concrete, what is large on fallen leaves, and anything else before the plain backdrop."""
     @ground.setter
     def ground(self, value: Literal["plain", "bench", "concrete", "litter"] | None) -> None: ...
     @property

@@ -17,14 +17,15 @@ use greenstick::simulate::{RunSource, SceneMeshes};
 use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFacesError};
 use greenstick::skin::WoodField;
 use greenstick::skin::film::{FilmParameters, Run as Opened, SkinReport};
-use greenstick_sweep::shown::{Faces, RunFilm, RunStill, ShowError, ShownAs};
+use greenstick::skin::view::FilmView;
+use greenstick_sweep::shown::{Faces, RunFilm, RunStill, ShowError, ShownAs, film_shot};
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde::Serialize;
 use std::io::{Cursor, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 impl From<FilmError> for Failure {
     fn from(error: FilmError) -> Self {
@@ -202,6 +203,7 @@ impl Recording {
             of: run_object,
             asked,
             shown: Mutex::new((run, film)),
+            view: OnceLock::new(),
         })
     }
 }
@@ -325,6 +327,8 @@ pub struct Film {
     glb: GlbOptions,
     /// The run, and what is shown of it.
     shown: Mutex<(Opened, RunFilm)>,
+    /// What pictures of all frames show, once one was taken.
+    view: OnceLock<FilmView>,
 }
 
 impl Film {
@@ -405,8 +409,8 @@ impl Film {
         report(py, &self.report)
     }
 
-    /// The map from the world of the mesh that was simulated to that of the film, whose stem begins at the origin and lies along
-    /// x: shape (4, 4), float64, m, y up. A copy.
+    /// The map from the world of the mesh that was simulated to that of the film, which is the same but for a mesh with z up or a
+    /// stem of the scene's own: shape (4, 4), float64, m, y up. A copy.
     #[getter]
     fn transform<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
@@ -418,7 +422,8 @@ impl Film {
         work::run(py, None, |_| Ok(Scene::new(self.at(number)?, None)))
     }
 
-    /// Takes a picture of a frame. Keys are those of pictures: `picture_size="640x480"`, `samples=16`, `close_up=6`.
+    /// Takes a picture of a frame, with the camera and the ground where they are in all frames. Keys are those of pictures:
+    /// `picture_size="640x480"`, `samples=16`, `close_up=6`.
     #[pyo3(signature = (number, *, progress=None, **keys))]
     fn picture(
         &self,
@@ -430,8 +435,14 @@ impl Film {
         let options = picture_parameters(keys)?.options();
         work::run(py, progress, |context| {
             let frame = self.at(number)?;
-            let shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
-            let (run, film) = &*shown;
+            let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+            let (run, film) = &mut *shown;
+            if self.view.get().is_none() {
+                // Only this can set it, as it holds what is shown.
+                let _ = self.view.set(film.view(0..self.report.skin.frames)?);
+            }
+            let view = self.view.get();
+            let options = view.map_or(options.clone(), |view| film_shot(view, &options));
             let picture = film.picture(run, &frame, &options, context)?;
             Ok(Picture::new(picture, frame.metadata.clone()))
         })

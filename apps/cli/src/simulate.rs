@@ -7,21 +7,23 @@ use crate::outcome::spent;
 use crate::progress::{Progress, StageTime};
 use crate::skin::{self, FilmPlan, is_film};
 use greenstick::fibre::scene::{BUILT_IN, Scene, SceneError, StemChoice};
+use greenstick::fibre::{Event, EventKind};
 use greenstick::files::run::{Origin, RunFolder, read_body_meshes};
 use greenstick::files::{self, FileError, Output};
 use greenstick::film::open_run;
 use greenstick::formats::{self, Format, LengthUnit, Reach};
-use greenstick::geometry::{Context, Metadata, Provenance, Scene as Mesh, Stage};
-use greenstick::picture::PictureOptions;
+use greenstick::geometry::{Context, Metadata, Motion, Provenance, Scene as Mesh, Stage};
 use greenstick::provenance;
 use greenstick::scanning::ScannedReport;
 use greenstick::simulate::{
-    RunError, RunSource, SceneMeshes, SimulateError, SimulateReport, SimulateRequest, body_shapes,
-    energy_chart, find_break, load_chart, simulate,
+    RunError, RunSource, SceneMeshes, SimulateError, SimulateReport, SimulateRequest, energy_chart,
+    find_break, load_chart, simulate,
 };
+use greenstick::skin::film::{FilmParameters, Run};
 use greenstick::wood::scan::with_scan;
 use greenstick_sweep::Input;
 use greenstick_sweep::input::up_axis;
+use greenstick_sweep::shown::{RunFilm, ShownAs, film_shot};
 use serde::Serialize;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -101,13 +103,12 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
     let mut report = simulate(&request, &mut run, &work).map_err(|e| failure(e, folder))?;
     let notes = scan.map(|scan| scan.notes);
     report.notes.splice(0..0, notes.unwrap_or_default());
-    let metadata = made.metadata();
-    let pictures = pictures(&run, &request.meshes, options, (&metadata, &shots)).map_err(|e| {
-        e.or_cancelled(format!(
-            "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
-            folder.display()
-        ))
-    })?;
+    let (opened, pictures) = show(
+        run,
+        &mut request.meshes,
+        options,
+        (&made.metadata(), &shots),
+    )?;
     let full = FullReport {
         report: &report,
         pictures: &pictures,
@@ -115,13 +116,43 @@ pub fn run(options: &SimulateOptions) -> Result<ExitCode, Failure> {
         stages: &progress.finish(),
     };
     print_report(&full, &options.reporting)?;
-    if film.is_some() {
-        if let (Some(path), Some(mesh)) = (&options.mesh.input, &mut request.meshes.input) {
-            files::carry_images(mesh, path, output);
-        }
-        make_film(run, &request.meshes, options, output, (&progress, &filming))?;
+    if let (Some(run), true) = (opened, film.is_some()) {
+        make_film(run, options, output, (&progress, &filming))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Opens a run that has ended, if pictures or a film are to be made of it, and takes the pictures.
+fn show(
+    run: RunFolder,
+    meshes: &mut SceneMeshes,
+    options: &SimulateOptions,
+    (metadata, context): (&Metadata, &Context),
+) -> Result<(Option<Run>, Vec<String>), Failure> {
+    let film = options.output.as_deref().filter(|path| is_film(path));
+    if options.no_pictures && film.is_none() {
+        return Ok((None, Vec::new()));
+    }
+    if let (Some(path), Some(mesh)) = (&options.mesh.input, &mut meshes.input) {
+        match film {
+            Some(film) if options.no_pictures => files::carry_images(mesh, path, film),
+            _ => files::embed_images(mesh, path),
+        }
+    }
+    let [opening, shots] =
+        context.split([(Stage::new("read"), 1.0), (Stage::new("pictures"), 9.0)]);
+    let source = Arc::new(run);
+    let mut run = open_run(source.clone(), meshes, &opening).map_err(Failure::from)?;
+    if options.no_pictures {
+        return Ok((Some(run), Vec::new()));
+    }
+    let taken = pictures(&source, &mut run, options, (metadata, &shots)).map_err(|e| {
+        e.or_cancelled(format!(
+            "stopped; the simulation in {} is complete, and the same command with --resume takes its pictures",
+            source.path().display()
+        ))
+    })?;
+    Ok((Some(run), taken))
 }
 
 /// Whether there is a checkpoint to go on from.
@@ -228,15 +259,11 @@ fn print_report(full: &FullReport, reporting: &ReportingOptions) -> Result<(), F
 
 /// Makes the skin of a run as a film in the file `output`.
 fn make_film(
-    run: RunFolder,
-    meshes: &SceneMeshes,
+    run: Run,
     options: &SimulateOptions,
     output: &Path,
     (progress, context): (&Progress, &Context),
 ) -> Result<(), Failure> {
-    let [opening, filming] = context.split([(Stage::new("read"), 1.0), (Stage::new("skin"), 9.0)]);
-    opening.report(0.0)?;
-    let run = open_run(Arc::new(run), meshes, &opening).map_err(Failure::from)?;
     let shot = options.picture_parameters.set()?.options();
     let plan = FilmPlan::whole_film(output.to_owned(), run.scene.seed, shot);
     let reporting = ReportingOptions {
@@ -245,7 +272,7 @@ fn make_film(
         json: false,
         ..options.reporting.clone()
     };
-    skin::run_plan(run, &plan, &reporting, progress, &filming)
+    skin::run_plan(run, &plan, &reporting, progress, context)
 }
 
 fn list(json: bool) -> Result<ExitCode, Failure> {
@@ -325,51 +352,50 @@ fn failure(error: SimulateError, folder: &Path) -> Failure {
     }
 }
 
-/// Pictures of the first, the middle and the last frame.
+/// Pictures of the first frame, of one in which the wood breaks and of the last.
 fn pictures(
-    run: &RunFolder,
-    meshes: &SceneMeshes,
+    source: &RunFolder,
+    run: &mut Run,
     options: &SimulateOptions,
     (metadata, context): (&Metadata, &Context),
 ) -> Result<Vec<String>, Failure> {
-    if options.no_pictures {
-        return Ok(Vec::new());
-    }
-    context.report(0.0)?;
-    let folder = run.path();
+    let [skinning, drawing] =
+        context.split([(Stage::new("skin"), 1.0), (Stage::new("pictures"), 9.0)]);
+    let folder = source.path();
     let fail = |error: RunError| failure(error.into(), folder);
-    let all = run.frames().map_err(fail)?.count();
-    let scene = run.scene().map_err(fail)?;
-    let shapes = body_shapes(&scene, meshes).map_err(|e| failure(e, folder))?;
-    let mut numbers = vec![0, all / 2, all.saturating_sub(1)];
-    numbers.retain(|&number| number < all);
-    numbers.dedup();
-    let mut shot = PictureOptions {
-        up: greenstick::simulate::UP,
-        ..options.picture_parameters.set()?.options()
+    // Pictures show the wood by its address and need no textures.
+    let parameters = FilmParameters {
+        texture_size: 0,
+        ..FilmParameters::default()
     };
-    if let Some(diameters) = shot.close_up {
-        let (first, events) = (run.frame(0).map_err(fail)?, run.events().map_err(fail)?);
-        shot.zoom = greenstick::simulate::broken_region(&first, &events, diameters);
-    }
+    let how = ShownAs {
+        faces: None,
+        field: None,
+        film: parameters.film_options(run.scene.seed),
+    };
+    let all = run.frames();
+    let mut film = RunFilm::new(run, 0..all, &how, &skinning)?;
+    let events = source.events().map_err(fail)?;
+    let mut numbers = vec![0, breaking_frame(&mut film, &events), all.saturating_sub(1)];
+    numbers.dedup();
+    let view = film.view(numbers.iter().copied())?;
+    let shot = film_shot(&view, &options.picture_parameters.set()?.options());
     let mut outputs = Vec::new();
     let count = numbers.len();
     for (done, number) in numbers.into_iter().enumerate() {
-        let frame = run.frame(number).map_err(fail)?;
-        let scene = greenstick::rods_scene(&frame, &shapes);
-        let shown = context.item(done, count);
-        let picture = greenstick::picture_of_scene(&scene, &shot, &shown)?;
+        let scene = film.at(run, number)?;
+        let picture = film.picture(run, &scene, &shot, &drawing.item(done, count))?;
         outputs.push(Output {
             path: folder.join(format!("frame-{number:05}.png")),
             bytes: picture.png_with(metadata),
         });
     }
-    let chart = energy_chart(&run.energies().map_err(fail)?);
+    let chart = energy_chart(&source.energies().map_err(fail)?);
     outputs.push(Output {
         path: folder.join("energy.png"),
         bytes: chart.png_with(metadata),
     });
-    if let Some(chart) = load_chart(&run.forces().map_err(fail)?) {
+    if let Some(chart) = load_chart(&source.forces().map_err(fail)?) {
         outputs.push(Output {
             path: folder.join("load-deflection.png"),
             bytes: chart.png_with(metadata),
@@ -380,4 +406,26 @@ fn pictures(
         .iter()
         .map(|o| o.path.display().to_string())
         .collect())
+}
+
+/// Share of the rods that break which are broken when the wood is shown breaking, and frames by which its faces have opened after that.
+const BROKEN: f64 = 0.9;
+const OPENING: usize = 2;
+
+/// A frame in which the wood has just broken, or the middle one of wood that holds.
+fn breaking_frame(film: &mut RunFilm, events: &[Event]) -> usize {
+    let motion = &film.skinned().motion;
+    let last = motion.frames().saturating_sub(1);
+    let mut times: Vec<f64> = (events.iter())
+        .filter(|event| event.kind == EventKind::RodBroke)
+        .map(|event| event.time)
+        .collect();
+    times.sort_by(f64::total_cmp);
+    match times.get((BROKEN * times.len() as f64) as usize) {
+        Some(&time) => {
+            let broken = (0..last).find(|&n| motion.time(n) >= time);
+            broken.map_or(last, |n| (n + OPENING).min(last))
+        }
+        None => motion.frames() / 2,
+    }
 }

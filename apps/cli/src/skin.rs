@@ -73,12 +73,10 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
     let [read, work] = progress.split([("read", 1.0), ("skin", 9.0)]);
-    let run = open(
-        &options.run,
-        named(&options.mesh),
-        options.output.as_deref(),
-        &read,
-    )?;
+    // Pictures show the images of the mesh.
+    let is_pictured = options.picture.is_some() || options.pictures.is_some();
+    let output = options.output.as_deref().filter(|_| !is_pictured);
+    let run = open(&options.run, named(&options.mesh), output, &read)?;
     let plan = FilmPlan::from_options(options, run.scene.seed)?;
     let made = match frame {
         Some(number) => still(run, number, options, &plan, &work)?,
@@ -162,7 +160,7 @@ pub fn frame_number(run: &Run, number: i64) -> Result<usize, Failure> {
     })
 }
 
-/// Opens the run with the mesh that it was of, whose images are taken along to where `output` is.
+/// Opens the run with the mesh that it was of, whose images are taken along to where `output` is, or into memory.
 pub fn open(
     folder: &Path,
     named: NamedMesh,
@@ -175,8 +173,9 @@ pub fn open(
     let input = match &input {
         Some((path, unit)) => {
             let mut scene = files::read(path, *unit)?;
-            if let Some(output) = output {
-                files::carry_images(&mut scene, path, output);
+            match output {
+                Some(output) => files::carry_images(&mut scene, path, output),
+                None => files::embed_images(&mut scene, path),
             }
             Some(scene)
         }

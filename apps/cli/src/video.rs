@@ -5,7 +5,7 @@ use greenstick::files::{self, Output};
 use greenstick::geometry::Context;
 use greenstick::picture::PictureOptions;
 use greenstick::skin::film::Run;
-use greenstick_sweep::shown::RunFilm;
+use greenstick_sweep::shown::{RunFilm, film_shot};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -44,16 +44,8 @@ pub fn pictures(
     shot: &PictureOptions,
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
-    let mut shot = PictureOptions {
-        shown: film.skinned().bounds().map_err(Failure::from)?,
-        ..shot.clone()
-    };
     let count = film.skinned().report.frames;
-    if let (Some(diameters), true) = (shot.close_up, count > 0) {
-        // The camera stays where the wood is going to break.
-        let first = film.skinned().at(0).map_err(Failure::from)?;
-        shot.zoom = greenstick::close_up(&first, &film.inner_materials(), diameters);
-    }
+    let shot = film_shot(&film.view(0..count)?, shot);
     let metadata = film.skinned().film.metadata.clone();
     let mut made = Vec::new();
     for number in 0..count {

@@ -188,12 +188,19 @@ fn picture_of_moved_wood(
     let inner: Vec<u32> = woods.iter().map(|wood| wood.material).collect();
     let shader = StemShader::new(scene, woods)?;
     let mut options = options.clone();
-    if let (None, Some(diameters)) = (options.zoom, options.close_up) {
-        let near = view::close_up_of_frame(scene, &inner, diameters);
-        options.zoom = near.map(|(centre, radius)| Sphere { centre, radius });
-    }
-    if options.zoom.is_none() && options.shown.is_empty() {
+    // Whoever says what is shown has decided for all frames of a film.
+    let is_open = options.shown.is_empty();
+    if is_open {
         options.shown = view::points_without_splinters(scene);
+    }
+    let near = match options.close_up {
+        Some(diameters) => view::close_up_of_frame(scene, &inner, diameters),
+        None => (view::usual_close_up(scene, &inner, &options.shown)).filter(|_| is_open),
+    };
+    let near = near.map(|(centre, radius)| Sphere { centre, radius });
+    options.zoom = options.zoom.or(near);
+    if shader.field.is_none() {
+        (options.ground).get_or_insert_with(|| Ground::under(&options.shown));
     }
     render_scene(scene, &shader, &options, context)
 }

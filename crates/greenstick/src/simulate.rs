@@ -9,15 +9,3 @@ pub use greenstick_fibre::simulate::{
     body_shapes, fill_scene_stem, find_break, simulate,
 };
 pub use greenstick_fibre::store::{MemoryRun, RunError, RunSink, RunSource, RunStore};
-
-use greenstick_fibre::Event;
-use greenstick_fibre::outcome::broken_region as region_of_breaks;
-use greenstick_fibre::store::Frame;
-use greenstick_picture::Sphere;
-
-/// Returns what a close-up of `diameters` diameters of a stem shows of a run: a sphere about the places (m) at which rods broke, or
-/// nothing where none did. `first` is the first frame.
-pub fn broken_region(first: &Frame, events: &[Event], diameters: f64) -> Option<Sphere> {
-    let (centre, radius) = region_of_breaks(first, events, diameters)?;
-    Some(Sphere { centre, radius })
-}

@@ -137,9 +137,9 @@ parameters! {
             view: Option<ViewDirection> = None, text(VIEW).auto();
             /// Where the camera is and where it looks, m in the coordinates of what is shown, and its field of view across the shorter side, degrees (25): it stays there over all frames of a film, whatever `view` and `close_up` say. "auto" places one that suits.
             camera: Option<CameraPlacement> = None, text(CAMERA).auto();
-            /// How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; "auto" shows everything.
+            /// How much is shown around the broken faces, of several breaks those of the first, in diameters of the stem; "auto" shows everything, or nine diameters of simulated wood in which the break would be too small to be seen.
             close_up: Option<f64> = None, number(Unit::One, 0.5, 1000.0).auto().logarithmic();
-            /// What the wood stands on; "auto" puts a break on a floor of concrete, a large one on fallen leaves, and anything else before the plain backdrop.
+            /// What the wood stands on; "auto" puts broken and simulated wood on a floor of concrete, what is large on fallen leaves, and anything else before the plain backdrop.
             ground: Option<Ground> = None, choice(Ground::CHOICES).auto();
             /// How much what lies before and behind the focus is blurred: 0 not at all, 1 as by a lens from near; "auto" is that of an aperture of 24 mm on a ground, which blurs what is behind a branch and hardly anything behind a trunk, and nothing before the plain backdrop.
             depth_of_field: Option<f64> = None, number(Unit::One, 0.0, 1.0).auto();

@@ -55,6 +55,9 @@ pub struct PictureOptions {
     pub chips: bool,
     /// Points in the world that fit into the picture if `zoom` is `None`, m; empty for all vertices.
     pub shown: Vec<DVec3>,
+    /// Point in the world where the pattern of the ground begins, m; `None` for the middle of the scene. Pictures that belong together, as
+    /// frames of a film do, share it.
+    pub ground_origin: Option<DVec3>,
     /// Upward direction, of any length above 0: the vertical of the picture and the normal of the floor.
     pub up: DVec3,
     /// Whether the lowest of the points that fit into the picture lies on a floor, which receives shadows and hides what is below it. It
@@ -89,6 +92,7 @@ impl PictureOptions {
             coin: false,
             chips: true,
             shown: Vec::new(),
+            ground_origin: None,
             up: DVec3::Y,
             floor: true,
             background: [0.40, 0.385, 0.36],
@@ -212,8 +216,8 @@ pub fn render(
     drop(points);
     let floor = options.floor.then_some(level);
     let mut studio = Studio::new(&camera, up, floor, options.background);
-    let ground =
-        (options.ground).and_then(|kind| ShownGround::new(kind, &camera, up, scene.bounds.centre));
+    let origin = options.ground_origin.unwrap_or(scene.bounds.centre);
+    let ground = (options.ground).and_then(|kind| ShownGround::new(kind, &camera, up, origin));
     if let Some(ground) = ground {
         studio.show_ground(ground);
     }

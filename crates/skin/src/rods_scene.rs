@@ -87,7 +87,7 @@ pub fn body_nodes(frame: &Frame, shapes: &[Shape], material: u32) -> Vec<BodyNod
 
 /// The material of bodies.
 pub fn body_material() -> Material {
-    plain_material("body", [0.36, 0.40, 0.45, 1.0])
+    plain_material("body", [0.10, 0.105, 0.11, 1.0])
 }
 
 fn plain_material(name: &str, base_color: [f32; 4]) -> Material {

@@ -4,10 +4,11 @@
 use greenstick::ErrorKind;
 use greenstick::film::{DrawnFilm, FilmError, film_of_faces, picture_of_run};
 use greenstick::geometry::{Cancelled, Context, Scene, Stage};
-use greenstick::picture::{Picture, PictureError, PictureOptions};
+use greenstick::picture::{Picture, PictureError, PictureOptions, Sphere};
 use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFacesError};
 use greenstick::skin::WoodField;
 use greenstick::skin::film::{self, FilmOptions, NearbyRods, Run, SkinReport, SkinnedFilm, Still};
+use greenstick::skin::view::FilmView;
 use std::ops::Range;
 
 /// Keys that only the skin of rods has.
@@ -353,8 +354,22 @@ impl RunFilm {
         Ok(scene)
     }
 
+    /// Returns what pictures of some frames show, for [`film_shot`].
+    ///
+    /// # Errors
+    /// [`ShowError`] where a frame cannot be read.
+    pub fn view(&mut self, frames: impl IntoIterator<Item = usize>) -> Result<FilmView, ShowError> {
+        let inner = self.inner_materials();
+        let skinned = self.skinned();
+        let mut view = FilmView::default();
+        for number in frames {
+            view.add(&skinned.at(number)?, &inner);
+        }
+        Ok(view)
+    }
+
     /// The materials of the wood inside.
-    pub fn inner_materials(&self) -> Vec<u32> {
+    fn inner_materials(&self) -> Vec<u32> {
         match &self.film {
             Film::Drawn(film) => film.broken.woods.iter().map(|w| w.material).collect(),
             Film::Rods(film) => vec![film.inner],
@@ -384,5 +399,19 @@ impl RunFilm {
             Film::Drawn(film) => film.picture(frame, shot, context),
             Film::Rods(film) => picture_of_run(run, frame, film.inner, shot, context),
         }
+    }
+}
+
+/// Returns the options of pictures that are frames of one film: what `shot` leaves open is the same in all of them, and the camera and the
+/// ground stay where they are. A close-up shows where the break is in all of them.
+pub fn film_shot(view: &FilmView, shot: &PictureOptions) -> PictureOptions {
+    let near = view.close_up(shot.close_up);
+    let near = near.map(|(centre, radius)| Sphere { centre, radius });
+    PictureOptions {
+        zoom: shot.zoom.or(near),
+        close_up: None,
+        ground_origin: view.middle(),
+        shown: view.points.clone(),
+        ..shot.clone()
     }
 }

@@ -14,9 +14,7 @@ use greenstick::formats::{LengthUnit, Reach};
 use greenstick::geometry::{Context, Scene, Stage};
 use greenstick::picture::PictureParameters;
 use greenstick::provenance;
-use greenstick::simulate::{
-    MemoryRun, RunSource, SceneMeshes, SimulateError, SimulateRequest, UP, body_shapes, simulate,
-};
+use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateError, SimulateRequest, simulate};
 use greenstick::skin::film::FilmParameters;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -75,10 +73,10 @@ impl Simulator {
         (target, shown): (Option<&Path>, bool),
         context: &Context,
     ) -> Result<Simulated, Trouble> {
-        let [work, picture, pieces] = context.split([
+        let is_skinned = shown || target.is_some();
+        let [work, showing] = context.split([
             (Stage::new("simulate"), 10.0),
-            (Stage::new("picture"), f64::from(u8::from(shown))),
-            (Stage::new("skin"), f64::from(u8::from(target.is_some()))),
+            (Stage::new("skin"), f64::from(u8::from(is_skinned))),
         ]);
         let beside = match &sweep.settings.scene {
             Some(name) => sweep.folder.join(name),
@@ -102,11 +100,9 @@ impl Simulator {
             pieces: Vec::new(),
             cell: None,
         };
-        if shown {
-            made.cell = cell(&run, &meshes, &picture)?;
-        }
-        if let Some(target) = target {
-            made.pieces = still(run, &meshes, (sweep, target), &pieces)?;
+        if is_skinned {
+            let of = (sweep, target, shown);
+            (made.cell, made.pieces) = last_frame(run, &meshes, of, &showing)?;
         }
         Ok(made)
     }
@@ -127,26 +123,31 @@ impl Simulator {
             return Ok(Some(scene.clone()));
         }
         let mut scene = files::read(&path, sweep.settings.unit)?;
-        if let Some(target) = target {
-            files::carry_images(&mut scene, &path, target);
+        match target {
+            Some(target) => files::carry_images(&mut scene, &path, target),
+            None => files::embed_images(&mut scene, &path),
         }
         self.input = Some((path, scene.clone()));
         Ok(Some(scene))
     }
 }
 
-/// What the last frame of a run shows, as files.
-fn still(
+/// The last frame of a run: a small picture as PNG, where it is `shown` and one can be taken, and its files, where there is a target.
+fn last_frame(
     run: MemoryRun,
     meshes: &SceneMeshes,
-    (sweep, target): (&Sweep, &Path),
+    (sweep, target, shown): (&Sweep, Option<&Path>, bool),
     context: &Context,
-) -> Result<Vec<Output>, Trouble> {
-    let mut run = open_run(Arc::new(run), meshes, context).map_err(ShowError::from)?;
+) -> Result<(Option<Vec<u8>>, Vec<Output>), Trouble> {
+    let [skinning, drawing] = context.split([
+        (Stage::new("skin"), 1.0),
+        (Stage::new("picture"), f64::from(u8::from(shown))),
+    ]);
+    let mut run = open_run(Arc::new(run), meshes, &skinning).map_err(ShowError::from)?;
     let parameters = FilmParameters {
-        texture_size: match sweep.settings.textures {
-            true => FilmParameters::default().texture_size,
-            false => 0,
+        texture_size: match target {
+            Some(_) if sweep.settings.textures => FilmParameters::default().texture_size,
+            _ => 0,
         },
         ..FilmParameters::default()
     };
@@ -156,28 +157,22 @@ fn still(
         film: parameters.film_options(run.scene.seed),
     };
     let last = run.frames().saturating_sub(1);
-    let mut still = RunStill::new(&mut run, last, &how, context)?;
+    let mut still = RunStill::new(&mut run, last, &how, &skinning)?;
+    let mut cell = None;
+    if shown {
+        let mut options = PictureParameters::default().options();
+        [options.width, options.height] = CELL;
+        options.samples = CELL_SAMPLES;
+        let picture = still.picture(&run, &options, &drawing);
+        drawing.check()?;
+        cell = picture.ok().map(|picture| picture.png());
+    }
+    let Some(target) = target else {
+        return Ok((cell, Vec::new()));
+    };
     still.scene().metadata = provenance("skin", None, &run.scene).metadata();
-    Ok(files::encode(still.scene(), target, LengthUnit::Metre)?)
-}
-
-/// A small picture of the last frame of a run as PNG; `None` where none can be taken.
-fn cell(
-    run: &MemoryRun,
-    meshes: &SceneMeshes,
-    context: &Context,
-) -> Result<Option<Vec<u8>>, Trouble> {
-    let failed = SimulateError::from;
-    let scene = run.scene().map_err(failed)?;
-    let last = run.frames().map_err(failed)?.count().saturating_sub(1);
-    let frame = run.frame(last).map_err(failed)?;
-    let mut options = PictureParameters::default().options();
-    [options.width, options.height] = CELL;
-    (options.samples, options.up) = (CELL_SAMPLES, UP);
-    let rods = greenstick::rods_scene(&frame, &body_shapes(&scene, meshes)?);
-    let picture = greenstick::picture_of_scene(&rods, &options, context);
-    context.check()?;
-    Ok(picture.ok().map(|picture| picture.png()))
+    let files = files::encode(still.scene(), target, LengthUnit::Metre)?;
+    Ok((cell, files))
 }
 
 /// The figures of a bending test.

@@ -146,9 +146,10 @@ impl FrameArtist {
         Ok(broke <= frame.time)
     }
 
+    /// The whole wood, along the rods that other frames are drawn as.
     fn make_whole(&self) -> Result<Wood, Failure> {
         let context = Context::silent(self.token.clone());
-        let mut run = open_run(self.source.clone(), &self.meshes, &context)?;
+        let mut run = open_run(self.source.clone(), &self.meshes, &context)?.along_x();
         let options = FilmParameters::default().film_options(run.scene.seed);
         let film = run.film_of_whole(&options, &context);
         let film = film.map_err(FilmError::from)?;

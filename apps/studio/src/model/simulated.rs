@@ -389,7 +389,8 @@ impl EndedRun {
         stem: Option<RunStem>,
         context: &Context,
     ) -> Result<Self, Failure> {
-        let run = open_run(source, meshes, context)?;
+        // The window shows the scene's axes.
+        let run = open_run(source, meshes, context)?.along_x();
         Ok(EndedRun { run, stem })
     }
 

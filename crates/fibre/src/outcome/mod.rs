@@ -15,13 +15,11 @@ mod capacity;
 mod face;
 mod mode;
 mod pieces;
-mod region;
 #[cfg(test)]
 mod tests;
 
 pub use mode::Mode;
 use mode::{Damage, Elements};
-pub use region::broken_region;
 
 use crate::event::Event;
 use crate::rod_bundle::RodBundle;

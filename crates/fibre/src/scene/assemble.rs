@@ -26,6 +26,8 @@ pub struct AssembledScene {
     pub length: f64,
     /// The map from the stem's coordinates to the scene's.
     pub scene_from_stem: DAffine3,
+    /// What x, y and z of a level stem, whose z is the vertical, become in the scene: its columns.
+    pub level: DMat3,
 }
 
 /// Distance at which a body counts as touching the stem, m.
@@ -96,6 +98,7 @@ pub fn assemble(
         fraction,
         length,
         scene_from_stem,
+        level,
     })
 }
 

@@ -94,7 +94,7 @@ parameters! {
 
 impl StemKeys {
     /// The direction in an input that points up.
-    pub(crate) fn up_of_input(&self) -> DVec3 {
+    pub fn up_of_input(&self) -> DVec3 {
         match self.up {
             Some(UpChoice::Z) => DVec3::Z,
             Some(UpChoice::Y) | None => DVec3::Y,

@@ -13,7 +13,7 @@ use crate::scene::{
     assemble,
 };
 use crate::store::checksum;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 use greenstick_geometry::{Context, Scene, Stage};
 use greenstick_wood::appearance::WoodAppearance;
 use greenstick_wood::moisture::Fallback;
@@ -327,6 +327,8 @@ pub struct PositionedBundle {
     pub bundle: RodBundle,
     /// Maps the stem's world to the scene's axes.
     pub scene_from_stem: DAffine3,
+    /// What x, y and z of a level stem, whose z is the vertical, become in the scene: its columns.
+    pub level: DMat3,
 }
 
 /// Moves the rods of a stem into the scene's axes.
@@ -351,5 +353,6 @@ pub fn position_bundle(
     Ok(PositionedBundle {
         bundle: assembled.world.bundle,
         scene_from_stem: assembled.scene_from_stem,
+        level: assembled.level,
     })
 }

@@ -88,8 +88,12 @@ fn input() -> Scene {
 
 /// Simulates the scene in memory.
 fn run() -> Run {
+    run_of(Setting::read(SCENE).unwrap())
+}
+
+fn run_of(scene: Setting) -> Run {
     let request = SimulateRequest {
-        scene: Setting::read(SCENE).unwrap(),
+        scene,
         meshes: SceneMeshes {
             input: Some(input()),
             bodies: Vec::new(),
@@ -125,6 +129,72 @@ fn rod_distance(film: &SkinnedFilm, position: impl Fn(usize) -> DVec3, p: DVec3)
         .fold(f64::INFINITY, f64::min)
 }
 
+/// The corners of the box about all nodes.
+fn corners(nodes: &[Node]) -> [DVec3; 2] {
+    let points = nodes.iter().flat_map(|node| {
+        let at = |p: &DVec3| node.transform.transform_point3(*p);
+        node.mesh.positions.iter().map(at).collect::<Vec<_>>()
+    });
+    points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[low, high], p| {
+        [low.min(p), high.max(p)]
+    })
+}
+
+#[test]
+fn a_film_of_an_input_is_where_its_mesh_is() {
+    let input = input();
+    let turned = |p: DVec3| DVec3::new(p.x, p.z, -p.y);
+    for up in ["y", "z"] {
+        let kept = format!("kind = \"input\"\nup = \"{up}\"");
+        let text = SCENE.replace("kind = \"input\"", &kept);
+        let mut run = run_of(Setting::read(&text).unwrap());
+        let film = run.film(0..1, &options(true), &Context::quiet());
+        let first = film.unwrap().at(0).unwrap();
+        let expected = |nodes: &[Node]| {
+            let [low, high] = corners(nodes);
+            match up {
+                "y" => [low, high],
+                // Turned to have y up.
+                _ => [turned(low).min(turned(high)), turned(low).max(turned(high))],
+            }
+        };
+        let off = |found: &[Node], source: &[Node]| {
+            let both = corners(found).into_iter().zip(expected(source));
+            both.map(|(a, b)| a.distance(b)).fold(0.0, f64::max)
+        };
+        let named = |name: &str| {
+            let node = first.nodes.iter().find(|node| node.name == name);
+            std::slice::from_ref(node.unwrap())
+        };
+        let stone = off(named("standing_000"), &input.nodes[2..]);
+        assert!(stone < 1e-12, "{up}: {stone} m");
+        // The skin of the rods leaves out a little at the ends.
+        let all = off(&first.nodes, &input.nodes);
+        assert!(all < 0.1 * RADIUS, "{up}: {all} m");
+    }
+}
+
+#[test]
+fn a_stem_stands_in_its_film_as_its_scene_says() {
+    for (inclination, along) in [
+        (0.0, DVec3::X),
+        (90.0, DVec3::Y),
+        (30.0, DVec3::new(0.75f64.sqrt(), 0.5, 0.0)),
+    ] {
+        let text = SCENE.replace(
+            "kind = \"input\"\nat = \"0.6\"",
+            &format!("kind = \"cylinder\"\ninclination = {inclination}"),
+        );
+        let run = run_of(Setting::read(&text).unwrap());
+        // Cylinders grow along y.
+        let way = run.film_from_stem().transform_vector3(DVec3::Y);
+        assert!(way.distance(along) < 1e-9, "{way}");
+        let laid = run.along_x();
+        let way = laid.film_from_stem().transform_vector3(DVec3::Y);
+        assert!(way.distance(DVec3::X) < 1e-9, "{way}");
+    }
+}
+
 #[test]
 fn lines_of_rods_and_bonds_are_all_there_beside_breaks_between_vertices_too() {
     let run = run();
@@ -147,7 +217,7 @@ fn lines_of_rods_and_bonds_are_all_there_beside_breaks_between_vertices_too() {
 
 #[test]
 fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
-    let mut run = run();
+    let mut run = run().along_x();
     let context = Context::quiet();
     let frames = run.frames();
     let mut film = run.film(0..frames, &options(true), &context).unwrap();
@@ -228,7 +298,7 @@ fn nothing_of_the_input_is_lost_and_twigs_move_with_their_rods() {
 
 #[test]
 fn a_film_of_drawn_faces_has_all_of_the_input_and_moves_it_with_what_it_hangs_on() {
-    let mut run = run();
+    let mut run = run().along_x();
     let frames = run.frames();
     let made = film_of_faces(&mut run, 0..frames, &options(true), &Context::quiet());
     let mut film = made.unwrap().skinned;
@@ -248,7 +318,6 @@ fn a_film_of_drawn_faces_has_all_of_the_input_and_moves_it_with_what_it_hangs_on
     assert!((volume / trunk.volume() - 1.0).abs() < 1e-6, "{volume}");
     // The side branch grows where the clamp holds the trunk: it stays.
     let (lower, still) = (rest("lower"), &now("lower").mesh);
-    // A film's stem lies along x.
     let branch = |p: &DVec3| p.y.hypot(p.z) > 2.0 * RADIUS;
     let tips: Vec<usize> = (0..lower.positions.len())
         .filter(|&v| branch(&lower.positions[v]))

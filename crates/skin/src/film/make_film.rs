@@ -4,14 +4,13 @@ use super::error::FilmError;
 use super::material_numbers::{BODY_MATERIAL, INNER_MATERIAL};
 use super::motion::{MovingBehind, MovingParts, RunMotion};
 use super::options::FilmOptions;
-use super::poses::{film_from_skin, rotated, upright_rotation};
+use super::poses::film_from_skin;
 use super::report::SkinReport;
 use super::rigid::RIGID_TOLERANCE;
 use super::run::Run;
 use super::skinned_film::SkinnedFilm;
 use crate::rods::rod_skin_over_time;
 use crate::rods_scene::{BodyNode, body_nodes};
-use glam::DAffine3;
 use greenstick_fibre::store::Frame;
 use greenstick_geometry::film::Extra;
 use greenstick_geometry::{Context, Film, Joint, Pose, RigidBody, Stage};
@@ -52,7 +51,7 @@ impl Run {
         let rest = self.carried_parts(&skin, options, &mut report, &shape)?;
         let joints = skin.joints.clone();
         self.track_pieces(&skin, range.clone(), &mut report, &pieces)?;
-        let mut film = film_from_skin(skin, &self.scene);
+        let mut film = film_from_skin(skin, &self.scene, &self.placement);
         film.materials = materials.materials;
         film.textures = materials.textures;
         film.images = materials.images;
@@ -71,7 +70,7 @@ impl Run {
                 bodies,
                 behind: MovingBehind::Carried(carried),
             },
-            upright_rotation(),
+            self.placement,
         );
         let mut skinned = SkinnedFilm {
             film,
@@ -85,11 +84,10 @@ impl Run {
 
     /// Adds the bodies of the first frame to a film, of this material, each that moves with a joint of its own. Returns the numbers of those.
     pub(super) fn add_bodies(&self, film: &mut Film, first: &Frame, material: u32) -> Vec<usize> {
-        let up = upright_rotation();
         let mut moving = Vec::new();
         for body in body_nodes(first, &self.wood.shapes, material) {
             let BodyNode { mut node, follows } = body;
-            node.transform = DAffine3::from_quat(up) * node.transform;
+            node.transform = self.placement.map() * node.transform;
             let Some(number) = follows else {
                 film.fixed.push(node);
                 continue;
@@ -107,7 +105,7 @@ impl Run {
             };
             film.joints.push(Joint {
                 name: format!("body_{number}"),
-                rest: rotated(rest, up),
+                rest: self.placement.pose(rest),
             });
             moving.push(number);
         }

@@ -3,13 +3,12 @@
 use super::error::FilmError;
 use super::material_numbers::{BODY_MATERIAL, INNER_MATERIAL};
 use super::options::FilmOptions;
-use super::poses::{film_from_skin, posed_pieces, rotated, upright_rotation};
+use super::poses::{film_from_skin, posed_pieces};
 use super::report::SkinReport;
 use super::run::Run;
 use crate::remainder::{CarriedParts, pose_followers};
 use crate::rods::{RodSkin, frame_poses};
 use crate::rods_scene::{BodyNode, body_nodes};
-use glam::DAffine3;
 use greenstick_fibre::store::Frame;
 use greenstick_geometry::{Context, Pose, Scene, Stage};
 use std::sync::Arc;
@@ -76,10 +75,9 @@ impl Run {
             report,
             mut scene,
         } = self.skin_frame(number, options, context)?;
-        let up = upright_rotation();
         let poses = frame_poses(&skin.joints, &frame).into_iter();
-        let mut poses: Vec<Pose> = poses.map(|p| rotated(p, up)).collect();
-        let mut film = film_from_skin(skin, &self.scene);
+        let mut poses: Vec<Pose> = poses.map(|p| self.placement.pose(p)).collect();
+        let mut film = film_from_skin(skin, &self.scene, &self.placement);
         let followers = rest.add_to_film(&mut film, &self.film_from_stem(), self.wood.stem.radius);
         poses.resize(film.joints.len(), Pose::IDENTITY);
         pose_followers(&followers, &mut poses);
@@ -87,7 +85,7 @@ impl Run {
         scene.nodes.append(&mut film.fixed);
         if options.bodies {
             for BodyNode { mut node, .. } in body_nodes(&frame, &self.wood.shapes, BODY_MATERIAL) {
-                node.transform = DAffine3::from_quat(up) * node.transform;
+                node.transform = self.placement.map() * node.transform;
                 scene.nodes.push(node);
             }
         }

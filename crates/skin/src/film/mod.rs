@@ -22,6 +22,7 @@ mod nearby_rods;
 mod options;
 mod parameters;
 mod part_still;
+mod placement;
 mod poses;
 mod report;
 mod rest;

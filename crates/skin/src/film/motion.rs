@@ -2,10 +2,9 @@
 
 use super::drawn::SectionJoints;
 use super::error::FilmError;
-use super::poses::rotated;
+use super::placement::Placement;
 use crate::remainder::{Follower, pose_followers};
 use crate::rods::{Joints, frame_poses};
-use glam::DQuat;
 use greenstick_fibre::store::RunSource;
 use greenstick_geometry::{Motion, Pose};
 use std::sync::Arc;
@@ -38,7 +37,7 @@ pub struct RunMotion {
     joints: Joints,
     bodies: Vec<usize>,
     behind: MovingBehind,
-    up: DQuat,
+    placement: Placement,
 }
 
 impl RunMotion {
@@ -47,7 +46,7 @@ impl RunMotion {
         times: Vec<f64>,
         first: usize,
         moving: MovingParts,
-        up: DQuat,
+        placement: Placement,
     ) -> Self {
         let MovingParts {
             joints,
@@ -61,7 +60,7 @@ impl RunMotion {
             joints,
             bodies,
             behind,
-            up,
+            placement,
         }
     }
 }
@@ -80,11 +79,11 @@ impl Motion for RunMotion {
     fn poses(&mut self, number: usize, poses: &mut [Pose]) -> Result<(), FilmError> {
         let frame = self.source.frame(self.first + number)?;
         self.joints.check(&frame)?;
-        let upright = |pose: Pose| rotated(pose, self.up);
-        let rods = frame_poses(&self.joints, &frame).into_iter().map(upright);
+        let placed = |pose: Pose| self.placement.pose(pose);
+        let rods = frame_poses(&self.joints, &frame).into_iter().map(placed);
         let bodies = self.bodies.iter().filter_map(|&b| frame.bodies.get(b));
         let bodies = bodies.map(|body| {
-            upright(Pose {
+            placed(Pose {
                 translation: body.centre,
                 rotation: body.rotation,
             })

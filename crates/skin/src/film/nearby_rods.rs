@@ -1,7 +1,6 @@
 //! The rods near each vertex of a film's pieces: what the wood's strain and damage are on the skin, and how well the skin follows
 //! the rods.
 
-use super::poses::upright_rotation;
 use super::run::Run;
 use crate::WoodField;
 use glam::{DVec3, IVec3};
@@ -39,7 +38,7 @@ struct RestGrid {
 impl RestGrid {
     fn new(run: &Run) -> Self {
         let bundle = &run.wood.bundle;
-        let up = upright_rotation();
+        let placement = &run.placement;
         let mut vertices = Vec::with_capacity(bundle.vertices());
         let mut longest = 0.0f64;
         for rod in 0..bundle.rods() {
@@ -47,7 +46,8 @@ impl RestGrid {
             for v in range.clone() {
                 let (before, after) = (v.max(range.start + 1) - 1, (v + 1).min(range.end - 1));
                 let way = bundle.rest.get(after) - bundle.rest.get(before);
-                vertices.push((up * bundle.rest.get(v), up * way.normalize_or_zero()));
+                let at = placement.point(bundle.rest.get(v));
+                vertices.push((at, placement.direction(way.normalize_or_zero())));
                 if v + 1 < range.end {
                     longest = longest.max(bundle.rest_length[v]);
                 }
@@ -191,10 +191,12 @@ impl Run {
     /// fill: the rest of a tree goes with it as a whole.
     pub fn misplaced_share(&self, film: &Film, frame: &Frame, nodes: &[Node]) -> f64 {
         let grid = RestGrid::new(self);
-        let up = upright_rotation();
         let mut shown = vec![Vec::new(); self.wood.bundle.vertices()];
         for (&origin, place) in frame.origin.iter().zip(&frame.position) {
-            shown[origin as usize].push(up * DVec3::from_array(place.map(f64::from)));
+            shown[origin as usize].push(
+                self.placement
+                    .point(DVec3::from_array(place.map(f64::from))),
+            );
         }
         let limit = OFF * self.wood.stem.radius;
         // The skin of the rods is no farther from their vertices; beyond are other limbs of a tree.

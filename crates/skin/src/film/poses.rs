@@ -1,22 +1,10 @@
 //! Poses of joints, and pieces in them. Stills and films have y up.
 
+use super::placement::Placement;
 use crate::rods::RodSkin;
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DVec3};
 use greenstick_fibre::scene::Scene as Setting;
 use greenstick_geometry::{Film, Joint, Node, Pose, SkinnedMesh};
-
-/// Returns the rotation from the scene's z up to the y up of files.
-pub(super) fn upright_rotation() -> DQuat {
-    DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2)
-}
-
-/// Returns a pose rotated about the origin.
-pub(super) fn rotated(pose: Pose, by: DQuat) -> Pose {
-    Pose {
-        translation: by * pose.translation,
-        rotation: (by * pose.rotation).normalize(),
-    }
-}
 
 /// Returns the corners of a box.
 pub(super) fn corners((low, high): (DVec3, DVec3)) -> [DVec3; 8] {
@@ -59,9 +47,8 @@ pub(super) fn posed_pieces(film: &Film, frame: usize, poses: &[Pose]) -> Vec<Nod
 }
 
 /// Returns the pieces and joints of a skin as a film with y up, without materials and bodies.
-pub(super) fn film_from_skin(skin: RodSkin, scene: &Setting) -> Film {
-    let up = upright_rotation();
-    let map = DAffine3::from_quat(up);
+pub(super) fn film_from_skin(skin: RodSkin, scene: &Setting, placement: &Placement) -> Film {
+    let map = placement.map();
     let mut film = Film {
         frames_per_second: scene.frames_per_second,
         ..Film::default()
@@ -74,7 +61,7 @@ pub(super) fn film_from_skin(skin: RodSkin, scene: &Setting) -> Film {
         .enumerate())
     .map(|(joint, (&rest, vertex))| Joint {
         name: format!("vertex_{vertex}_{joint}"),
-        rest: rotated(rest, up),
+        rest: placement.pose(rest),
     })
     .collect();
     film.pieces = skin.pieces;

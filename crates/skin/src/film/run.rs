@@ -2,10 +2,10 @@
 
 use super::error::FilmError;
 use super::material_numbers::{BARK_MATERIAL, INNER_MATERIAL, OWN_MATERIALS};
-use super::poses::upright_rotation;
+use super::placement::Placement;
 use crate::rods::{FractureState, Materials, RodSkin, RodSkinOptions, Wood, rod_skin};
 use crate::texture::SectionSquare;
-use glam::{DAffine3, DVec2};
+use glam::{DAffine3, DMat3, DVec2};
 use greenstick_fibre::bodies::Shape;
 use greenstick_fibre::placement::{PlacedRods, WoodMaterial};
 use greenstick_fibre::scene::Scene as Setting;
@@ -49,6 +49,8 @@ pub struct RunWood {
     pub bundle: RodBundle,
     /// Maps the stem's world to the scene's axes.
     pub scene_from_stem: DAffine3,
+    /// What x, y and z of a level stem, whose z is the vertical, become in the scene: its columns.
+    pub level: DMat3,
     /// The shapes of the bodies about the centres that frames hold.
     pub shapes: Vec<Shape>,
 }
@@ -68,6 +70,7 @@ impl RunWood {
         let PositionedBundle {
             bundle,
             scene_from_stem,
+            level,
         } = position_bundle(&filled, meshes, context)?;
         Ok(RunWood {
             stem: filled.stem,
@@ -80,6 +83,7 @@ impl RunWood {
             rings: filled.rings,
             bundle,
             scene_from_stem,
+            level,
             shapes,
         })
     }
@@ -97,6 +101,7 @@ pub struct Run {
     pub(super) bark: Mesh,
     pub(super) tree: Bvh,
     pub(super) square: SectionSquare,
+    pub(super) placement: Placement,
 }
 
 /// Returns why vertices of the unbroken rods broke.
@@ -148,6 +153,7 @@ impl Run {
         let causes = break_causes(&source.events()?);
         let (inside, rings) = (wood.appearance.clone(), wood.rings.clone());
         let appearance = StemAppearance::new(&wood.stem, inside, rings);
+        let placement = Placement::as_it_stands(&scene, wood.scene_from_stem, wood.level);
         let bark = bark_mesh(&wood);
         Ok(Run {
             scene,
@@ -159,7 +165,14 @@ impl Run {
             causes,
             appearance,
             bark,
+            placement,
         })
+    }
+
+    /// Lays the stem along x in films and stills, as it lies in the scene, wherever it stands.
+    pub fn along_x(mut self) -> Run {
+        self.placement = Placement::along_x(self.wood.scene_from_stem);
+        self
     }
 
     /// Returns the number of whole frames.
@@ -197,7 +210,7 @@ impl Run {
 
     /// Returns the map from the stem's world, that of the mesh that was simulated, to that of stills and films.
     pub fn film_from_stem(&self) -> DAffine3 {
-        DAffine3::from_quat(upright_rotation()) * self.wood.scene_from_stem
+        self.placement.film_from_stem
     }
 
     /// Returns its wood, unbroken.

@@ -2,9 +2,9 @@
 
 use super::error::FilmError;
 use super::motion::RunMotion;
-use super::poses::{corners, posed_pieces};
+use super::poses::posed_pieces;
 use super::report::SkinReport;
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use greenstick_geometry::{Film, Motion, Node, Pose, RigidBody, Scene};
 
 /// A film with skin.
@@ -70,36 +70,5 @@ impl SkinnedFilm {
             (node.mesh, node.transform) = (mesh.into(), DAffine3::IDENTITY);
         }
         Ok(nodes)
-    }
-
-    /// Returns the corners of the box about all joints and rigid pieces in all frames, m.
-    ///
-    /// # Errors
-    /// [`FilmError`] where a frame cannot be read.
-    pub fn bounds(&mut self) -> Result<Vec<DVec3>, FilmError> {
-        let mut poses = vec![Pose::IDENTITY; self.film.joints.len()];
-        let mut maps = Vec::new();
-        let rigid: Vec<(usize, [DVec3; 8])> = (self.film.pieces.iter())
-            .filter_map(|piece| match piece.binding.used_joints()[..] {
-                [joint] => Some((joint as usize, corners(piece.mesh.bounds()?))),
-                _ => None,
-            })
-            .collect();
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for frame in 0..self.motion.frames() {
-            self.motion.poses(frame, &mut poses)?;
-            for pose in &poses {
-                low = low.min(pose.translation);
-                high = high.max(pose.translation);
-            }
-            self.film.joint_maps(&poses, &mut maps);
-            for p in rigid.iter().flat_map(|(joint, corners)| {
-                let map = maps[*joint];
-                corners.map(move |p| map.transform_point3(p))
-            }) {
-                (low, high) = (low.min(p), high.max(p));
-            }
-        }
-        Ok(corners((low, high)).to_vec())
     }
 }

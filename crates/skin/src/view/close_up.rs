@@ -10,11 +10,88 @@ const APART: f64 = 0.7;
 /// Length of stem (radii) to both sides of the middle of all faces in which those of a piece count: sawn ends are of the same wood.
 const FACE: f64 = 2.0;
 
+/// Diameters of a stem that are shown about a break where nothing is asked for and everything is much more.
+const USUAL_DIAMETERS: f64 = 9.0;
+/// Distance of what is shown of everything from the middle of a break, over the radius of its close-up, from which on the break would be
+/// too small to be seen.
+const MUCH_WIDER: f64 = 2.0;
+/// Share of the radius of a close-up that is shown of the wood about faces at the ends of their way.
+const ABOUT_MOVED: f64 = 0.6;
+
+/// Returns centre and radius (m) of what suits wood whose pictures show `points` (m) if they show everything: nothing narrower, or, where
+/// the break would be too small to be seen, its surroundings. `inner` as for [`super::close_up`].
+pub fn usual_close_up(scene: &Scene, inner: &[u32], points: &[DVec3]) -> Option<(DVec3, f64)> {
+    let near = wood::close_up(scene, inner, USUAL_DIAMETERS)?;
+    is_much_wider(points, near).then_some(near)
+}
+
+fn is_much_wider(points: &[DVec3], (centre, radius): (DVec3, f64)) -> bool {
+    let reach = points
+        .iter()
+        .map(|p| p.distance(centre))
+        .fold(0.0, f64::max);
+    reach > MUCH_WIDER * radius
+}
+
+/// What pictures of the frames of a film show.
+#[derive(Debug, Clone, Default)]
+pub struct FilmView {
+    /// The outermost points of the wood and the bodies in all frames, without splinters, m.
+    pub points: Vec<DVec3>,
+    /// Radius of the stem, m; `None` before a frame that has faces.
+    stem_radius: Option<f64>,
+    /// Middles of the faces of all pieces in all frames, m.
+    faces: Vec<DVec3>,
+}
+
+impl FilmView {
+    /// Adds a frame. `inner` as for [`super::close_up`].
+    pub fn add(&mut self, scene: &Scene, inner: &[u32]) {
+        self.points.extend(wood::outermost_without_splinters(scene));
+        if let Some((_, stem_radius)) = wood::close_up(scene, inner, 1.0) {
+            self.stem_radius.get_or_insert(stem_radius);
+            let faces = middles_of_faces(scene, inner, stem_radius);
+            self.faces.extend(faces.into_iter().map(|piece| piece.1));
+        }
+    }
+
+    /// Returns centre and radius (m) of a sphere in which all faces are seen in all frames, at least as large as a close-up of so many
+    /// diameters of the stem. `None` for as many as suit: then there is none unless the break would be too small to be seen in a
+    /// picture of everything.
+    pub fn close_up(&self, diameters: Option<f64>) -> Option<(DVec3, f64)> {
+        let (low, high) = corners(&self.faces)?;
+        let radius = diameters.unwrap_or(USUAL_DIAMETERS) * self.stem_radius?;
+        let way = 0.5 * low.distance(high);
+        let near = (0.5 * (low + high), radius.max(way + ABOUT_MOVED * radius));
+        (diameters.is_some() || is_much_wider(&self.points, near)).then_some(near)
+    }
+
+    /// The middle of the box about everything, m.
+    pub fn middle(&self) -> Option<DVec3> {
+        corners(&self.points).map(|(low, high)| 0.5 * (low + high))
+    }
+}
+
+/// The least and the greatest coordinates of points.
+fn corners(points: &[DVec3]) -> Option<(DVec3, DVec3)> {
+    let &first = points.first()?;
+    let wider = |(low, high): (DVec3, DVec3), &p: &DVec3| (low.min(p), high.max(p));
+    Some(points.iter().fold((first, first), wider))
+}
+
 /// Returns centre and radius (m) of what a close-up of `diameters` diameters of a stem shows, as [`super::close_up`]; of pieces that have
 /// come so far apart that it would show what is between them, the face of the largest one.
 pub fn close_up_of_frame(scene: &Scene, inner: &[u32], diameters: f64) -> Option<(DVec3, f64)> {
     let (centre, radius) = wood::close_up(scene, inner, diameters)?;
-    let stem_radius = radius / diameters;
+    let pieces = middles_of_faces(scene, inner, radius / diameters);
+    let is_far = |&(_, at): &(f64, DVec3)| at.distance(centre) > APART * radius;
+    let largest = pieces.iter().max_by(|a, b| a.0.total_cmp(&b.0));
+    let at = largest.filter(|_| pieces.iter().any(is_far));
+    Some((at.map_or(centre, |piece| piece.1), radius))
+}
+
+/// Volume and middle of the faces of all pieces that are no splinters and have faces near the middle of all.
+fn middles_of_faces(scene: &Scene, inner: &[u32], stem_radius: f64) -> Vec<(f64, DVec3)> {
     let pieces: Vec<(f64, Vec<FacePart>)> = (scene.nodes.iter())
         .filter(|node| !node.is_detail)
         .map(|node| (node.mesh.volume(), parts_of_faces(node, inner)))
@@ -27,12 +104,8 @@ pub fn close_up_of_frame(scene: &Scene, inner: &[u32], diameters: f64) -> Option
         .filter_map(|(volume, parts)| Some((*volume, middle(parts, along, FACE * stem_radius)?)));
     let pieces: Vec<(f64, DVec3)> = pieces.collect();
     let whole: f64 = pieces.iter().map(|piece| piece.0).sum();
-    let is_far = |&(volume, at): &(f64, DVec3)| {
-        volume > SPLINTER_SHARE * whole && at.distance(centre) > APART * radius
-    };
-    let largest = pieces.iter().max_by(|a, b| a.0.total_cmp(&b.0));
-    let at = largest.filter(|_| pieces.iter().any(is_far));
-    Some((at.map_or(centre, |piece| piece.1), radius))
+    let is_large = |&(volume, _): &(f64, DVec3)| volume > SPLINTER_SHARE * whole;
+    pieces.into_iter().filter(is_large).collect()
 }
 
 /// A triangle of a face.

@@ -10,11 +10,16 @@ fn is_wood(node: &Node) -> bool {
     node.mesh.attributes.contains_key("_GRAIN")
 }
 
-/// Returns the points (m) that a picture of wood in pieces shows: all but those of splinters.
-pub fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
+/// Returns what a picture of wood in pieces shows: all but splinters.
+fn without_splinters(scene: &Scene) -> impl Iterator<Item = &Node> {
     let wood = scene.nodes.iter().filter(|n| is_wood(n));
     let whole: f64 = wood.map(|n| n.mesh.volume()).sum();
-    let is_shown = |node: &&Node| !is_wood(node) || node.mesh.volume() >= SPLINTER_SHARE * whole;
+    (scene.nodes.iter())
+        .filter(move |node| !is_wood(node) || node.mesh.volume() >= SPLINTER_SHARE * whole)
+}
+
+/// Returns the points (m) that a picture of wood in pieces shows: all but those of splinters.
+pub fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
     let points = |node: &Node| {
         let transform = node.transform;
         let positions = node.mesh.positions.clone();
@@ -22,8 +27,32 @@ pub fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
             .into_iter()
             .map(move |p| transform.transform_point3(p))
     };
-    let shown = scene.nodes.iter().filter(is_shown);
-    shown.flat_map(points).collect()
+    without_splinters(scene).flat_map(points).collect()
+}
+
+/// Returns the outermost points (m) of what a picture of wood in pieces shows, as [`points_without_splinters`], of each piece those in the
+/// directions of the neighbours of a cell in a grid.
+pub(super) fn outermost_without_splinters(scene: &Scene) -> Vec<DVec3> {
+    let steps = || [-1.0, 0.0, 1.0].into_iter();
+    let directions: Vec<DVec3> = steps()
+        .flat_map(|x| steps().flat_map(move |y| steps().map(move |z| DVec3::new(x, y, z))))
+        .filter(|&direction| direction != DVec3::ZERO)
+        .collect();
+    let outermost = |node: &Node| {
+        let mut farthest = vec![(f64::NEG_INFINITY, DVec3::ZERO); directions.len()];
+        for &p in &node.mesh.positions {
+            let p = node.transform.transform_point3(p);
+            for (far, direction) in farthest.iter_mut().zip(&directions) {
+                let way = p.dot(*direction);
+                if way > far.0 {
+                    *far = (way, p);
+                }
+            }
+        }
+        let met = farthest.into_iter().filter(|far| far.0 > f64::NEG_INFINITY);
+        met.map(|far| far.1).collect::<Vec<_>>()
+    };
+    without_splinters(scene).flat_map(outermost).collect()
 }
 
 /// Returns centre and radius (m) of what a close-up of `diameters` diameters of a stem shows: a sphere about the faces of the

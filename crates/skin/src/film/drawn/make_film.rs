@@ -9,7 +9,6 @@ use crate::film::error::FilmError;
 use crate::film::make_film::add_extras;
 use crate::film::motion::{MovingBehind, MovingParts, RunMotion};
 use crate::film::options::FilmOptions;
-use crate::film::poses::{rotated, upright_rotation};
 use crate::film::report::{FilmPiece, SkinReport, count_rods};
 use crate::film::rigid::RIGID_TOLERANCE;
 use crate::film::run::Run;
@@ -225,10 +224,12 @@ impl Run {
         let history = self.break_history(range.clone(), &breaks)?;
         binding.report(0.0)?;
         let (mut film, bodies) = self.film_without_pieces(range.start, drawn, options)?;
-        let (up, film_from_stem) = (upright_rotation(), self.film_from_stem());
+        let film_from_stem = self.film_from_stem();
         let wood = self.wood();
         let joints = Joints::new(&wood, &drawn.observed.state);
-        let rest: Vec<Pose> = joints.rest.iter().map(|&pose| rotated(pose, up)).collect();
+        let rest: Vec<Pose> = (joints.rest.iter())
+            .map(|&pose| self.placement.pose(pose))
+            .collect();
         let faces = RodFaces::new(&wood, drawn.observed, drawn.fractures);
         let nodes = drawn.pieces();
         let names = drawn.names(&nodes);
@@ -255,7 +256,7 @@ impl Run {
                 bodies,
                 behind: MovingBehind::Sections(moving),
             },
-            up,
+            self.placement,
         );
         let pairs = self.all_pairs(&meshes, &faces, &history);
         let times = &self.frames.times[range];
