@@ -7,7 +7,7 @@ use greenstick_picture::{
     Appearance, Ground, Hit, Picture, PictureError, PictureOptions, PlainShader, Shader, Sphere,
     View, azimuth_of_view, render_scene,
 };
-use greenstick_skin::view::{self, BreakView};
+use greenstick_skin::view::{self, BreakView, FilmView};
 use greenstick_skin::{WoodField, materials};
 use greenstick_wood::appearance::{StemAppearance, SurfacePoint};
 use greenstick_wood::stem::Stem;
@@ -188,15 +188,15 @@ fn picture_of_moved_wood(
     let inner: Vec<u32> = woods.iter().map(|wood| wood.material).collect();
     let shader = StemShader::new(scene, woods)?;
     let mut options = options.clone();
+    let mut near =
+        (options.close_up).and_then(|diameters| view::close_up_of_frame(scene, &inner, diameters));
     // Whoever says what is shown has decided for all frames of a film.
-    let is_open = options.shown.is_empty();
-    if is_open {
-        options.shown = view::points_without_splinters(scene);
+    if options.shown.is_empty() {
+        let mut all = FilmView::default();
+        all.add(scene, &inner);
+        near = near.or_else(|| all.close_up(None));
+        options.shown = all.points;
     }
-    let near = match options.close_up {
-        Some(diameters) => view::close_up_of_frame(scene, &inner, diameters),
-        None => (view::usual_close_up(scene, &inner, &options.shown)).filter(|_| is_open),
-    };
     let near = near.map(|(centre, radius)| Sphere { centre, radius });
     options.zoom = options.zoom.or(near);
     if shader.field.is_none() {

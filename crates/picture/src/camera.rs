@@ -25,8 +25,8 @@ const FILL_FRACTION: f64 = 0.88;
 /// A camera whose direction is nearer than this to the vertical (sine of the angle) looks straight up or down: what is to its right
 /// would be rounding.
 const STRAIGHT: f64 = 1e-9;
-/// Elevation of the automatic view, rad (24°).
-const AUTOMATIC_ELEVATION: f64 = 0.42;
+/// Elevation of the automatic view, rad (17°).
+const AUTOMATIC_ELEVATION: f64 = 0.3;
 /// Angle of the automatic view from perpendicular to the longest extent, rad (28°).
 const AUTOMATIC_AZIMUTH: f64 = 0.49;
 

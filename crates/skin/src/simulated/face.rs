@@ -92,13 +92,13 @@ impl SimulatedFracture {
 
 /// The parameters of the relief, and for each rod the factor on it.
 ///
-/// Splinters are as long as neighbouring rods differ, and no shorter than bundles of a sliver's width pull out by shear lag;
-/// where the wood was crushed they are short.
+/// Splinters are as long as neighbouring rods differ, and no shorter than bundles of a rod's width pull out by shear lag: how far wider
+/// ones did, the rods say. Where the wood was crushed splinters are short.
 fn relief(wood: &Wood, stem: &Stem, rods: &[SectionRod], seed: u64) -> (BreakParameters, Vec<f64>) {
     let slivers = (SLIVERS_PER_ROD * rods.len() as f64) as u32;
     let slivers = slivers.clamp(SLIVERS, MAX_SLIVERS);
     let area: f64 = rods.iter().map(|r| r.area).sum();
-    let pulled_out = wood.pull_out * (area / f64::from(slivers)).sqrt();
+    let pulled_out = wood.pull_out * (area / rods.len() as f64).sqrt();
     let length = |rod: &SectionRod| {
         let scattered = SPLINTERS_PER_SCATTER * rod.scatter;
         match rod.mode {

@@ -18,13 +18,7 @@ const MUCH_WIDER: f64 = 2.0;
 /// Share of the radius of a close-up that is shown of the wood about faces at the ends of their way.
 const ABOUT_MOVED: f64 = 0.6;
 
-/// Returns centre and radius (m) of what suits wood whose pictures show `points` (m) if they show everything: nothing narrower, or, where
-/// the break would be too small to be seen, its surroundings. `inner` as for [`super::close_up`].
-pub fn usual_close_up(scene: &Scene, inner: &[u32], points: &[DVec3]) -> Option<(DVec3, f64)> {
-    let near = wood::close_up(scene, inner, USUAL_DIAMETERS)?;
-    is_much_wider(points, near).then_some(near)
-}
-
+/// Whether a close-up shows much less than everything.
 fn is_much_wider(points: &[DVec3], (centre, radius): (DVec3, f64)) -> bool {
     let reach = points
         .iter()

@@ -6,5 +6,5 @@ mod close_up;
 mod wood;
 
 pub use broken::{BreakView, Sight, long_side, moved_end};
-pub use close_up::{FilmView, close_up_of_frame, usual_close_up};
-pub use wood::{close_up, points_without_splinters};
+pub use close_up::{FilmView, close_up_of_frame};
+pub use wood::close_up;

@@ -18,20 +18,8 @@ fn without_splinters(scene: &Scene) -> impl Iterator<Item = &Node> {
         .filter(move |node| !is_wood(node) || node.mesh.volume() >= SPLINTER_SHARE * whole)
 }
 
-/// Returns the points (m) that a picture of wood in pieces shows: all but those of splinters.
-pub fn points_without_splinters(scene: &Scene) -> Vec<DVec3> {
-    let points = |node: &Node| {
-        let transform = node.transform;
-        let positions = node.mesh.positions.clone();
-        positions
-            .into_iter()
-            .map(move |p| transform.transform_point3(p))
-    };
-    without_splinters(scene).flat_map(points).collect()
-}
-
-/// Returns the outermost points (m) of what a picture of wood in pieces shows, as [`points_without_splinters`], of each piece those in the
-/// directions of the neighbours of a cell in a grid.
+/// Returns the outermost points (m) of what a picture of wood in pieces shows, all but splinters: of each piece those in the directions of
+/// the neighbours of a cell in a grid.
 pub(super) fn outermost_without_splinters(scene: &Scene) -> Vec<DVec3> {
     let steps = || [-1.0, 0.0, 1.0].into_iter();
     let directions: Vec<DVec3> = steps()
