@@ -63,7 +63,7 @@ pub struct SimulateOptions {
     #[command(flatten)]
     pub scan: Declared<ScanParameters>,
 
-    /// Take no pictures of the first, middle and last frame
+    /// Take no pictures of the first frame, one in which the wood has just broken, and the last
     #[arg(long, help_heading = "Picture")]
     pub no_pictures: bool,
     #[command(flatten)]
