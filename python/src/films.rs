@@ -434,16 +434,21 @@ impl Film {
     ) -> PyResult<Picture> {
         let options = picture_parameters(keys)?.options();
         work::run(py, progress, |context| {
+            let [framing, drawing] =
+                context.split([(Stage::new("frames"), 0.1), (Stage::new("picture"), 1.0)]);
             let frame = self.at(number)?;
             let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
             let (run, film) = &mut *shown;
-            if self.view.get().is_none() {
-                // Only this can set it, as it holds what is shown.
-                let _ = self.view.set(film.view(0..self.report.skin.frames)?);
-            }
-            let view = self.view.get();
-            let options = view.map_or(options.clone(), |view| film_shot(view, &options));
-            let picture = film.picture(run, &frame, &options, context)?;
+            let view = match self.view.get() {
+                Some(view) => view,
+                None => {
+                    let all: Vec<usize> = (0..self.report.skin.frames).collect();
+                    let view = film.view(&all, &framing)?;
+                    self.view.get_or_init(|| view)
+                }
+            };
+            let shot = film_shot(view, &options);
+            let picture = film.picture(run, &frame, &shot, &drawing)?;
             Ok(Picture::new(picture, frame.metadata.clone()))
         })
     }

@@ -6,7 +6,7 @@ use crate::break_wood::{ResolvedRequest, file_name, resolve_request, use_threads
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, written};
 use crate::progress::{Progress, StageTime};
-use crate::skin::{self, NamedMesh};
+use crate::skin::{self, MeshImages, NamedMesh};
 use greenstick::fibre::scene::StemChoice;
 use greenstick::files::run::Origin;
 use greenstick::fracture::recipe::apply_setting;
@@ -45,7 +45,8 @@ pub fn run(options: &BreakOptions, folder: &Path) -> Result<ExitCode, Failure> {
     targets.check(&inputs)?;
     let named = request.input.clone().map(|path| (path, request.file.unit));
     let mesh = named.or(Origin::read(folder).map_err(Failure::request)?.input_file());
-    let mut run = skin::open(folder, mesh.clone(), targets.pieces.as_deref(), &read)?;
+    let images = (targets.pieces.as_deref()).map_or(MeshImages::Embedded, MeshImages::Carried);
+    let mut run = skin::open(folder, mesh.clone(), images, &read)?;
     if let Some(input) = &request.input
         && run.scene.stem.kind != StemChoice::Input
     {

@@ -4,7 +4,7 @@ use crate::arguments::FitOptions;
 use crate::failure::{Failure, print};
 use crate::outcome::{Written, check_recipe, comment_lines};
 use crate::progress::Progress;
-use crate::skin;
+use crate::skin::{self, MeshImages};
 use greenstick::files::{self, Output};
 use greenstick::fit::{Fit, FitError, FitReport, fit};
 use greenstick::geometry::text::one_line;
@@ -26,7 +26,12 @@ pub fn run(options: &FitOptions) -> Result<ExitCode, Failure> {
     }
     let progress = Progress::start(options.quiet);
     let [read, work] = progress.split([("read", 1.0), ("fit", 3.0)]);
-    let mut run = skin::open(&options.run, skin::named(&options.mesh), None, &read)?;
+    let mut run = skin::open(
+        &options.run,
+        skin::named(&options.mesh),
+        MeshImages::Left,
+        &read,
+    )?;
     let number = skin::frame_number(&run, options.frame)?;
     let Fit { recipe, report, .. } = fit(&mut run, number, &work).map_err(failure)?;
     let mut written = Vec::new();

@@ -19,7 +19,7 @@ use greenstick::simulate::{
     RunError, RunSource, SceneMeshes, SimulateError, SimulateReport, SimulateRequest, energy_chart,
     find_break, load_chart, simulate,
 };
-use greenstick::skin::film::{FilmParameters, Run};
+use greenstick::skin::film::Run;
 use greenstick::wood::scan::with_scan;
 use greenstick_sweep::Input;
 use greenstick_sweep::input::up_axis;
@@ -359,26 +359,21 @@ fn pictures(
     options: &SimulateOptions,
     (metadata, context): (&Metadata, &Context),
 ) -> Result<Vec<String>, Failure> {
-    let [skinning, drawing] =
-        context.split([(Stage::new("skin"), 1.0), (Stage::new("pictures"), 9.0)]);
+    let [skinning, framing, drawing] = context.split([
+        (Stage::new("skin"), 1.0),
+        (Stage::new("frames"), 0.2),
+        (Stage::new("pictures"), 9.0),
+    ]);
     let folder = source.path();
     let fail = |error: RunError| failure(error.into(), folder);
     // Pictures show the wood by its address and need no textures.
-    let parameters = FilmParameters {
-        texture_size: 0,
-        ..FilmParameters::default()
-    };
-    let how = ShownAs {
-        faces: None,
-        field: None,
-        film: parameters.film_options(run.scene.seed),
-    };
+    let how = ShownAs::best(run.scene.seed, 0);
     let all = run.frames();
     let mut film = RunFilm::new(run, 0..all, &how, &skinning)?;
     let events = source.events().map_err(fail)?;
     let mut numbers = vec![0, breaking_frame(&mut film, &events), all.saturating_sub(1)];
     numbers.dedup();
-    let view = film.view(numbers.iter().copied())?;
+    let view = film.view(&numbers, &framing)?;
     let shot = film_shot(&view, &options.picture_parameters.set()?.options());
     let mut outputs = Vec::new();
     let count = numbers.len();

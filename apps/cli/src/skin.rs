@@ -73,10 +73,13 @@ pub fn run(options: &SkinOptions) -> Result<ExitCode, Failure> {
     use_threads(options.reporting.threads)?;
     let progress = Progress::start(options.reporting.quiet);
     let [read, work] = progress.split([("read", 1.0), ("skin", 9.0)]);
-    // Pictures show the images of the mesh.
-    let is_pictured = options.picture.is_some() || options.pictures.is_some();
-    let output = options.output.as_deref().filter(|_| !is_pictured);
-    let run = open(&options.run, named(&options.mesh), output, &read)?;
+    let images = match &options.output {
+        Some(output) if options.picture.is_none() && options.pictures.is_none() => {
+            MeshImages::Carried(output)
+        }
+        _ => MeshImages::Embedded,
+    };
+    let run = open(&options.run, named(&options.mesh), images, &read)?;
     let plan = FilmPlan::from_options(options, run.scene.seed)?;
     let made = match frame {
         Some(number) => still(run, number, options, &plan, &work)?,
@@ -160,11 +163,22 @@ pub fn frame_number(run: &Run, number: i64) -> Result<usize, Failure> {
     })
 }
 
-/// Opens the run with the mesh that it was of, whose images are taken along to where `output` is, or into memory.
+/// What becomes of the images that a run's mesh refers to.
+#[derive(Debug, Clone, Copy)]
+pub enum MeshImages<'a> {
+    /// They are not looked at.
+    Left,
+    /// They are read, so that pictures show them.
+    Embedded,
+    /// References to them hold in this file.
+    Carried(&'a Path),
+}
+
+/// Opens the run with the mesh that it was of.
 pub fn open(
     folder: &Path,
     named: NamedMesh,
-    output: Option<&Path>,
+    images: MeshImages,
     context: &Context,
 ) -> Result<Run, Failure> {
     context.report(0.0)?;
@@ -173,9 +187,10 @@ pub fn open(
     let input = match &input {
         Some((path, unit)) => {
             let mut scene = files::read(path, *unit)?;
-            match output {
-                Some(output) => files::carry_images(&mut scene, path, output),
-                None => files::embed_images(&mut scene, path),
+            match images {
+                MeshImages::Left => {}
+                MeshImages::Embedded => files::embed_images(&mut scene, path),
+                MeshImages::Carried(output) => files::carry_images(&mut scene, path, output),
             }
             Some(scene)
         }

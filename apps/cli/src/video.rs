@@ -2,7 +2,7 @@
 
 use crate::failure::Failure;
 use greenstick::files::{self, Output};
-use greenstick::geometry::Context;
+use greenstick::geometry::{Context, Stage};
 use greenstick::picture::PictureOptions;
 use greenstick::skin::film::Run;
 use greenstick_sweep::shown::{RunFilm, film_shot};
@@ -45,11 +45,14 @@ pub fn pictures(
     context: &Context,
 ) -> Result<Vec<(String, usize)>, Failure> {
     let count = film.skinned().report.frames;
-    let shot = film_shot(&film.view(0..count)?, shot);
+    let [framing, drawing] =
+        context.split([(Stage::new("frames"), 1.0), (Stage::new("pictures"), 100.0)]);
+    let all: Vec<usize> = (0..count).collect();
+    let shot = film_shot(&film.view(&all, &framing)?, shot);
     let metadata = film.skinned().film.metadata.clone();
     let mut made = Vec::new();
     for number in 0..count {
-        let shown = context.item(number, count);
+        let shown = drawing.item(number, count);
         let scene = film.at(run, number)?;
         let picture = film.picture(run, &scene, &shot, &shown)?;
         let path = folder.join(format!("frame_{number:05}.png"));

@@ -87,9 +87,7 @@ pub use greenstick_skin::rods_scene::rods_scene;
 pub use greenstick_wood as wood;
 pub use greenstick_wood::anatomy::SectionRingSettings;
 pub use greenstick_wood::branch::built_in_branch;
-pub use pictures::{
-    close_up, picture_of_break, picture_of_moved_break, picture_of_scene, picture_of_skin,
-};
+pub use pictures::{picture_of_break, picture_of_moved_break, picture_of_scene, picture_of_skin};
 pub use provenance::provenance;
 pub use request::{Break, BreakRequest, BreakStage, RequestFile, RequestFileError};
 pub use session::{BreakSession, Broken, break_scene};

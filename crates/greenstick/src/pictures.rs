@@ -137,9 +137,8 @@ fn file_materials(
     PlainShader::with_textures(scene, is_shown, read)
 }
 
-/// Returns what a close-up of `diameters` diameters of a stem shows: a sphere about the faces of the wood inside, whose materials are
-/// `inner`. Splinters do not count; there is none of wood without such faces.
-pub fn close_up(scene: &Scene, inner: &[u32], diameters: f64) -> Option<Sphere> {
+/// What a close-up shows, as [`view::close_up`].
+fn close_up(scene: &Scene, inner: &[u32], diameters: f64) -> Option<Sphere> {
     view::close_up(scene, inner, diameters).map(|(centre, radius)| Sphere { centre, radius })
 }
 

@@ -7,7 +7,9 @@ use greenstick::geometry::{Cancelled, Context, Scene, Stage};
 use greenstick::picture::{Picture, PictureError, PictureOptions, Sphere};
 use greenstick::simulated_faces::{SimulatedFaceReport, SimulatedFacesError};
 use greenstick::skin::WoodField;
-use greenstick::skin::film::{self, FilmOptions, NearbyRods, Run, SkinReport, SkinnedFilm, Still};
+use greenstick::skin::film::{
+    self, FilmOptions, FilmParameters, NearbyRods, Run, SkinReport, SkinnedFilm, Still,
+};
 use greenstick::skin::view::FilmView;
 use std::ops::Range;
 
@@ -216,6 +218,21 @@ pub struct ShownAs {
     pub film: FilmOptions,
 }
 
+impl ShownAs {
+    /// As it shows best, with the wood of this seed and the usual parameters but for the width of baked textures, pixels.
+    pub fn best(seed: u64, texture_size: u32) -> Self {
+        let parameters = FilmParameters {
+            texture_size,
+            ..FilmParameters::default()
+        };
+        ShownAs {
+            faces: None,
+            field: None,
+            film: parameters.film_options(seed),
+        }
+    }
+}
+
 /// A frame of a run.
 pub enum RunStill {
     /// A frame of a film.
@@ -357,12 +374,13 @@ impl RunFilm {
     /// Returns what pictures of some frames show, for [`film_shot`].
     ///
     /// # Errors
-    /// [`ShowError`] where a frame cannot be read.
-    pub fn view(&mut self, frames: impl IntoIterator<Item = usize>) -> Result<FilmView, ShowError> {
+    /// [`ShowError`] where a frame cannot be read, or the caller cancelled.
+    pub fn view(&mut self, frames: &[usize], context: &Context) -> Result<FilmView, ShowError> {
         let inner = self.inner_materials();
         let skinned = self.skinned();
         let mut view = FilmView::default();
-        for number in frames {
+        for (done, &number) in frames.iter().enumerate() {
+            context.report(done as f64 / frames.len() as f64)?;
             view.add(&skinned.at(number)?, &inner);
         }
         Ok(view)

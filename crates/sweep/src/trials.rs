@@ -144,18 +144,11 @@ fn last_frame(
         (Stage::new("picture"), f64::from(u8::from(shown))),
     ]);
     let mut run = open_run(Arc::new(run), meshes, &skinning).map_err(ShowError::from)?;
-    let parameters = FilmParameters {
-        texture_size: match target {
-            Some(_) if sweep.settings.textures => FilmParameters::default().texture_size,
-            _ => 0,
-        },
-        ..FilmParameters::default()
+    let textures = match target {
+        Some(_) if sweep.settings.textures => FilmParameters::default().texture_size,
+        _ => 0,
     };
-    let how = ShownAs {
-        faces: None,
-        field: None,
-        film: parameters.film_options(run.scene.seed),
-    };
+    let how = ShownAs::best(run.scene.seed, textures);
     let last = run.frames().saturating_sub(1);
     let mut still = RunStill::new(&mut run, last, &how, &skinning)?;
     let mut cell = None;

@@ -60,11 +60,7 @@ impl FilmPlan {
         FilmPlan {
             output: Some(output),
             frames: None,
-            shown: ShownAs {
-                faces: None,
-                field: None,
-                film: parameters.film_options(seed),
-            },
+            shown: ShownAs::best(seed, parameters.texture_size),
             glb: glb_options(&parameters),
             engines: EnginePlan::default(),
             pictures: None,

@@ -2,7 +2,6 @@
 //! pieces that keep their volume, move as their rods do and stay together where the wood holds.
 
 use glam::DVec3;
-use greenstick::close_up;
 use greenstick::fibre::scene::Scene as Setting;
 use greenstick::film::{DrawnFilm, film_of_faces, open_run};
 use greenstick::geometry::{Context, Mesh, Motion, Node, Pose, Scene};
@@ -10,7 +9,7 @@ use greenstick::simulate::{MemoryRun, SceneMeshes, SimulateRequest, simulate};
 use greenstick::skin::{
     WoodField,
     film::{FilmOptions, Run, shows_well},
-    view::close_up_of_frame,
+    view::{FilmView, close_up, close_up_of_frame},
 };
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -207,9 +206,9 @@ fn skin_that_is_not_where_its_rods_are_is_noticed_and_close_ups_show_the_break()
     // A close-up of three diameters of 1 cm about the break.
     let inner = film.broken.woods[0].material;
     let near = close_up(&at_rest, &[inner], 3.0).unwrap();
-    assert!((near.radius / 0.015 - 1.0).abs() < 0.05, "{near:?}");
+    assert!((near.1 / 0.015 - 1.0).abs() < 0.05, "{near:?}");
     let place = film.reports[0].place_m;
-    assert!((near.centre.x - place).abs() < 0.01, "{near:?} {place}");
+    assert!((near.0.x - place).abs() < 0.01, "{near:?} {place}");
     // Of pieces that lie apart, the larger one.
     let mut apart = at_rest.clone();
     for (node, by) in apart.nodes.iter_mut().zip([-0.5, 0.5]) {
@@ -220,9 +219,31 @@ fn skin_that_is_not_where_its_rods_are_is_noticed_and_close_ups_show_the_break()
     let by = if volumes[0] > volumes[1] { -0.5 } else { 0.5 };
     let (centre, radius) = close_up_of_frame(&apart, &[inner], 3.0).unwrap();
     assert!((centre.x - place - by).abs() < radius, "{centre} {place}");
-    assert!((radius - near.radius).abs() < 1e-12);
+    assert!((radius - near.1).abs() < 1e-12);
     let together = close_up_of_frame(&at_rest, &[inner], 3.0).unwrap();
-    assert_eq!(together, (near.centre, near.radius));
+    assert_eq!(together, near);
+    // A film of both shows the break before, between the pieces, and both faces after.
+    let mut view = FilmView::default();
+    view.add(&at_rest, &[inner]);
+    let still = view.close_up(Some(3.0)).unwrap();
+    assert!(
+        still.0.distance(near.0) < radius && still.1 < 1.5 * radius,
+        "{still:?}"
+    );
+    // Where nothing is asked for, everything, unless that is much more than nine diameters about the break.
+    assert_eq!(view.close_up(None), None);
+    let mut larger = view.clone();
+    larger.points.push(still.0 + DVec3::X);
+    let usual = larger.close_up(None).unwrap();
+    assert!((usual.1 / (3.0 * near.1) - 1.0).abs() < 1e-9, "{usual:?}");
+    view.add(&apart, &[inner]);
+    let (centre, radius) = view.close_up(Some(3.0)).unwrap();
+    for x in [place - 0.5, place, place + 0.5] {
+        assert!((centre.x - x).abs() < radius, "{centre} {radius} {x}");
+    }
+    assert!(radius < 0.5 + 2.0 * near.1, "{radius}");
+    let middle = view.middle().unwrap();
+    assert!((middle.x - place).abs() < 0.2, "{middle}");
 }
 
 #[test]
