@@ -122,7 +122,7 @@ def cylinder(file: Path, radius: float, length: float, foot: tuple[float, float,
 def make_files(folder: Path) -> None:
     """The files that the pages name and that no command makes."""
     for file in DATA.iterdir():
-        if file.name.startswith("homecart"):
+        if file.name.startswith(("homecart", "quaternius_DeadTree_1")):
             shutil.copy(file, folder)
     shutil.copy(DATA / "homecart_cutting_board.gltf", folder / "board.gltf")
     shutil.copy(DATA / "pole.ply", folder)
