@@ -5,9 +5,10 @@
 //! a splinter. Where a piece still hangs together, its fracture is where most of the section broke.
 
 use super::observed::{ObservedRun, RodEnd};
+use super::splits::split_roots;
 use crate::fit::{BreakOnStem, LengthRange, MAX_GAP, main_range};
 use crate::rods::{Pieces, RodPart, Wood};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 /// Places along the stem at which it is asked which piece has most of the section.
 const PLACES: usize = 400;
@@ -250,54 +251,6 @@ fn partial(
         parted: false,
         further_breaks: further,
     })
-}
-
-/// Returns where whole rods beside broken ones pass a fracture with these breaks: where the split between both ends, which
-/// runs from the break along the bonds that broke, to the side on which it is longer. What is split off there goes with the other
-/// side.
-fn split_roots(wood: &Wood, run: &ObservedRun, breaks: &[Option<RodEnd>]) -> Vec<Option<f64>> {
-    let rod_of = wood.rods_of_vertices();
-    let bonds = &wood.bundle.bonds;
-    // For each pair of a whole and a broken rod the lengths of bonds, and whether they are broken.
-    let mut between: BTreeMap<(usize, usize), Vec<(f64, bool)>> = BTreeMap::new();
-    for (bond, held) in run.state.bonded_parts.iter().enumerate() {
-        let vertex = bonds.vertex[bond] as usize;
-        let (a, b) = (
-            rod_of[vertex] as usize,
-            rod_of[bonds.edge[bond] as usize] as usize,
-        );
-        let pair = match (breaks[a].is_some(), breaks[b].is_some()) {
-            (false, true) => (a, b),
-            (true, false) => (b, a),
-            _ => continue,
-        };
-        let is_broken = held.iter().all(Option::is_none);
-        let of_pair = between.entry(pair).or_default();
-        of_pair.push((wood.along[vertex], is_broken));
-    }
-    let mut roots: Vec<Option<f64>> = vec![None; breaks.len()];
-    let mut longest = vec![f64::NEG_INFINITY; breaks.len()];
-    for ((whole, broken), mut lengths) in between {
-        let Some(end) = breaks[broken].map(|b| b.along) else {
-            continue;
-        };
-        lengths.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let above = lengths.partition_point(|l| l.0 <= end);
-        let last = |lengths: &mut dyn Iterator<Item = &(f64, bool)>| {
-            lengths.take_while(|l| l.1).last().map_or(end, |l| l.0)
-        };
-        let low = last(&mut lengths[..above].iter().rev());
-        let high = last(&mut lengths[above..].iter());
-        let (root, length) = match end - low >= high - end {
-            true => (low, end - low),
-            false => (high, high - end),
-        };
-        if length > longest[whole] {
-            longest[whole] = length;
-            roots[whole] = Some(root);
-        }
-    }
-    roots
 }
 
 /// The break that gapes most; of equals the first.

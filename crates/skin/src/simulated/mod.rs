@@ -10,6 +10,7 @@ mod fractures;
 mod observed;
 mod report;
 mod section_field;
+mod splits;
 
 pub use drawable::{PartlyBroken, WoodHolds};
 pub use face::SimulatedFace;

@@ -1,6 +1,7 @@
 //! The film of a scene that was cut along the faces of a run.
 
 use super::faces::{FacePair, face_pairs, measure_gape};
+use super::held::{Held, HeldPiece};
 use super::lengths::lengths_along;
 use super::rod_faces::RodFaces;
 use super::section_joints::SectionJoints;
@@ -128,23 +129,34 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    /// The film's joints that a point of a piece in the stem's world follows, with their weights.
-    fn weights(&self, piece: usize, p: DVec3, along: f64) -> Vec<(u32, f64)> {
-        let grain = self.run.stem().grain.to_grain_near(p, along);
-        let mut weights = self.sections.weights_at(piece, grain.truncate(), along);
+    /// The film's joints that a point of a piece follows at a length along the axis (m), with their weights.
+    fn weights(&self, piece: usize, along: f64, held: Held) -> Vec<(u32, f64)> {
+        let mut weights = self.sections.weights(piece, along, held);
         weights.iter_mut().for_each(|w| w.0 += self.first);
         weights
     }
 
-    /// Binds a piece, whose mesh is in the stem's world.
-    fn bind(&self, piece: usize, mesh: &Mesh) -> Binding {
-        let lengths = lengths_along(mesh, self.run.stem());
-        let vertices: Vec<(DVec3, f64)> = mesh.positions.iter().copied().zip(lengths).collect();
-        let weights = vertices.par_iter();
-        let weights = weights.map(|&(p, along)| self.weights(piece, p, along));
+    /// How far whole rods decide where a point of a piece in the stem's world goes.
+    fn held_at(&self, piece: usize, p: DVec3, along: f64) -> Held {
+        let grain = self.run.stem().grain.to_grain_near(p, along);
+        self.sections.held_at(piece, grain.truncate(), along)
+    }
+
+    /// Returns how far whole rods decide where the vertices of a piece go, whose mesh is in the stem's world.
+    fn held(&self, piece: usize, mesh: &Mesh, lengths: &[f64]) -> HeldPiece {
+        let vertices: Vec<(DVec3, f64)> = (mesh.positions.iter().copied())
+            .zip(lengths.iter().copied())
+            .collect();
+        let held = vertices.par_iter();
+        let held = held.map(|&(p, along)| self.held_at(piece, p, along));
+        HeldPiece::spread(mesh, held.collect(), self.run.stem().radius)
+    }
+
+    /// Binds a mesh to the joints of a piece.
+    fn bind(&self, piece: usize, lengths: &[f64], held: &[Held]) -> Binding {
         let mut binding = Binding::default();
-        for weights in weights.collect::<Vec<_>>() {
-            binding.push(weights);
+        for (&along, &held) in lengths.iter().zip(held) {
+            binding.push(self.weights(piece, along, held));
         }
         binding
     }
@@ -161,7 +173,7 @@ impl Binder<'_> {
             })
             .min_by(|a, b| a.2.total_cmp(&b.2))?;
         let (place, along, off) = nearest;
-        let weights = self.weights(piece, place, along);
+        let weights = self.weights(piece, along, self.held_at(piece, place, along));
         let joint = weights.iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0;
         Some((joint, off))
     }
@@ -241,8 +253,8 @@ impl Run {
             sections: &sections,
             first: film.joints.len() as u32,
         };
-        let meshes = self.add_pieces(&mut film, drawn, &nodes, &binder, &binding)?;
-        add_others(&mut film, drawn, &binder, &film_from_stem);
+        let (meshes, held) = self.add_pieces(&mut film, drawn, &nodes, &binder, &binding)?;
+        add_others(&mut film, drawn, (&binder, &held), &film_from_stem);
         let moving = add_used_joints(&mut film, &sections.joints);
         let mut report = self.report_on(&film, &sections, &meshes, range.clone());
         self.track_separations(&joints, &sections, range.clone(), &mut report, &pieces)?;
@@ -298,7 +310,7 @@ impl Run {
         Ok((film, bodies))
     }
 
-    /// Adds the pieces to a film. Returns their meshes in the stem's world.
+    /// Adds the pieces to a film. Returns their meshes in the stem's world, and how far whole rods decide where they go.
     fn add_pieces(
         &self,
         film: &mut Film,
@@ -306,23 +318,26 @@ impl Run {
         nodes: &[usize],
         binder: &Binder,
         context: &Context,
-    ) -> Result<Vec<Mesh>, FilmError> {
+    ) -> Result<(Vec<Mesh>, Vec<HeldPiece>), FilmError> {
         let film_from_stem = self.film_from_stem();
         let known = self.known_positions(&film_from_stem);
-        let mut meshes = Vec::new();
+        let (mut meshes, mut all_held) = (Vec::new(), Vec::new());
         for (number, &node) in nodes.iter().enumerate() {
             context.report(number as f64 / nodes.len() as f64)?;
             let shown = drawn.shown_piece(node, &film_from_stem, &known, context)?;
             let mesh = shown.transformed(&film_from_stem.inverse());
+            let lengths = lengths_along(&mesh, self.stem());
+            let held = binder.held(number, &mesh, &lengths);
             film.pieces.push(SkinnedMesh {
                 name: drawn.scene.nodes[node].name.clone(),
-                binding: binder.bind(number, &mesh),
+                binding: binder.bind(number, &lengths, &held.held),
                 mesh: shown,
                 ..SkinnedMesh::default()
             });
             meshes.push(mesh);
+            all_held.push(held);
         }
-        Ok(meshes)
+        Ok((meshes, all_held))
     }
 
     /// Returns the positions of the input's own vertices in the film's coordinates; what crosses among them is left.
@@ -420,13 +435,19 @@ fn add_used_joints(film: &mut Film, joints: &SectionJoints) -> SectionJoints {
 }
 
 /// Adds what is not a piece: it moves with one, or stands still.
-fn add_others(film: &mut Film, drawn: &DrawnScene, binder: &Binder, film_from_stem: &DAffine3) {
+fn add_others(
+    film: &mut Film,
+    drawn: &DrawnScene,
+    (binder, held): (&Binder, &[HeldPiece]),
+    film_from_stem: &DAffine3,
+) {
     for (number, node) in drawn.scene.nodes.iter().enumerate() {
         let mesh = drawn.mesh(number);
         let joint = match drawn.part(number) {
             Part::Piece(_) => continue,
             Part::Strands(piece) => {
-                let binding = binder.bind(piece, &mesh);
+                let lengths = lengths_along(&mesh, binder.run.stem());
+                let binding = binder.bind(piece, &lengths, &held[piece].of_strands(&mesh));
                 film.pieces.push(SkinnedMesh {
                     name: node.name.clone(),
                     mesh: mesh.transformed(film_from_stem),

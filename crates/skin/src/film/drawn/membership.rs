@@ -40,8 +40,17 @@ impl<'a> Membership<'a> {
             .then_some(part)
     }
 
+    /// The same, if it is of this piece and between its faces, and no rod that holds both sides of one of them together there.
+    pub fn of_piece_alone(&self, piece: usize, rod: usize, along: f64) -> Option<RodPart> {
+        let beside = piece.saturating_sub(1)..(piece + 1).min(self.faces.count());
+        let mut hinges = beside.filter(|&face| !self.faces.fractures[face].parted);
+        let holds = |face: usize| self.of_hinge(face, rod, (along, 0.0)).is_some();
+        let part = self.of_piece(piece, rod, along)?;
+        (!hinges.any(holds)).then_some(part)
+    }
+
     /// The same, if it is of this piece and between its faces.
-    pub fn of_piece(&self, piece: usize, rod: usize, along: f64) -> Option<RodPart> {
+    fn of_piece(&self, piece: usize, rod: usize, along: f64) -> Option<RodPart> {
         let faces = self.faces;
         let part = faces.run.part_at(rod, along);
         let beyond = piece == 0 || faces.length(piece - 1, rod) <= along;
@@ -49,11 +58,12 @@ impl<'a> Membership<'a> {
         (beyond && before && self.belongs(rod, part, piece)).then_some(part)
     }
 
-    /// The same, if the rod is whole in this face and no farther than `reach` (m) from it.
+    /// The same, if the rod is whole in this face and no farther than `reach` (m) from where others broke in it.
     pub fn of_hinge(&self, face: usize, rod: usize, (along, reach): (f64, f64)) -> Option<RodPart> {
         let faces = self.faces;
         let part = faces.run.part_at(rod, along);
-        let near = (along - faces.length(face, rod)).abs() <= reach;
+        let (low, high) = faces.range(face);
+        let near = low - reach <= along && along <= high + reach;
         let holds = near && faces.part_before(face, rod).is_none();
         (holds && self.belongs(rod, part, face)).then_some(part)
     }

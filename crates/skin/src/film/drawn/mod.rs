@@ -13,11 +13,15 @@
 //! | `membership` | which piece each part of a rod belongs to |
 //! | `rod_faces` | faces as rods meet them |
 //! | `strands` | the rods that a piece follows where it is split lengthwise |
+//! | `held` | how far whole rods beside a face decide where a piece goes |
+//! | `edge_graph` | ways along the edges of a mesh |
 //! | `lengths` | which length of the stem every vertex of a piece belongs to |
 //! | `whole` | wood before its first break |
 //! | `faces` | vertices on both sides of a face, and how far they gape before it opens |
 
+mod edge_graph;
 mod faces;
+mod held;
 mod lengths;
 mod make_film;
 mod membership;

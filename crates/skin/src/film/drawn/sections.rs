@@ -1,6 +1,7 @@
 //! Joints along the pieces that faces cut wood into. Each follows the rods of its piece near one length of the stem; beside a face
 //! those that hold have joints of their own, and pieces that reach into each other keep together.
 
+use super::held::{HINGE, Held, held};
 use super::membership::Membership;
 use super::rod_faces::RodFaces;
 use super::section_joints::{Interlock, SectionJoint, SectionJoints, smooth};
@@ -20,11 +21,6 @@ const REACH: (f64, f64) = (0.3, 2.0);
 const MAX_SECTIONS: usize = 400;
 /// Least share of the stem's section that the rods of a piece must have for a joint there.
 const MIN_SHARE: f64 = 0.03;
-/// Distance (radii) from a face up to which the wood that holds there keeps both sides together, and that from which on each
-/// side follows its own rods.
-const HINGE: (f64, f64) = (1.0, 3.0);
-/// The same beyond the face, among what was split off.
-const BEYOND: (f64, f64) = (0.4, 0.9);
 /// Length (radii) beyond the breaks of rods in a face up to which most slivers reach, and up to which the longest may.
 const SLIVERS: f64 = 1.0;
 const LONGEST_SLIVERS: f64 = 4.5;
@@ -140,7 +136,7 @@ impl<'a> Maker<'a> {
 
     /// Adds the joints of a piece. `whole` are followers of all rods. `None` if there are no rods to follow.
     fn piece(&mut self, piece: usize, name: &str, whole: &[Option<usize>]) -> Option<JointChain> {
-        let own = self.parts(|rod, along| self.members.of_piece(piece, rod, along));
+        let own = self.parts(|rod, along| self.members.of_piece_alone(piece, rod, along));
         let leading = (self.bonds).leading_strand(self.faces.wood, (&self.along, self.area), &own);
         let own = self.followers(&leading);
         let has_own = own.iter().any(Option::is_some);
@@ -245,9 +241,12 @@ impl<'a> Sections<'a> {
         })
     }
 
-    /// The joints that a point of a piece follows, at a place of the section and a length along the axis (m), with their weights.
-    pub fn weights_at(&self, piece: usize, at: DVec2, along: f64) -> Weights {
-        let held = self.held(piece, at, along);
+    /// The joints that a point of a piece follows at a length along the axis (m), with their weights, where whole rods decide `held`
+    /// of its motion.
+    pub fn weights(&self, piece: usize, along: f64, held: Held) -> Weights {
+        let hinges = self.hinges_of(piece).into_iter().zip(held);
+        let held = hinges.filter_map(|(hinge, share)| Some((hinge?.1, share)));
+        let held = (held.filter(|h| h.1 > 0.0)).max_by(|a, b| a.1.total_cmp(&b.1));
         let free = held.map_or(1.0, |(_, share)| 1.0 - share);
         let mut weights = Weights::new();
         for (section, share) in self.sections_about(along) {
@@ -262,6 +261,25 @@ impl<'a> Sections<'a> {
         merged(weights)
     }
 
+    /// How far whole rods decide the motion of a point of a piece at a place of the section and a length along the axis (m).
+    pub fn held_at(&self, piece: usize, at: DVec2, along: f64) -> Held {
+        let hinges = self.hinges_of(piece);
+        [0, 1].map(|side| {
+            hinges[side].map_or(0.0, |(face, _)| {
+                held(self.faces, (face, side == 1), at, along)
+            })
+        })
+    }
+
+    /// The faces below and above a piece, if whole rods hold there, and those.
+    fn hinges_of(&self, piece: usize) -> [Option<(usize, JointChain)>; 2] {
+        let below = piece.checked_sub(1);
+        [below, Some(piece)].map(|face| {
+            let hinge = *self.hinges.get(face?)?;
+            Some((face?, hinge?))
+        })
+    }
+
     /// The sections on both sides of a length along the axis (m), with their weights; beyond the ends the last one.
     fn sections_about(&self, along: f64) -> [(usize, f64); 2] {
         let above = self.along.partition_point(|&a| a <= along);
@@ -272,45 +290,6 @@ impl<'a> Sections<'a> {
         };
         [(a, 1.0 - t), (b, t)]
     }
-
-    /// The hinge that holds a point of a piece, and how much of its motion that decides.
-    fn held(&self, piece: usize, at: DVec2, along: f64) -> Option<(JointChain, f64)> {
-        let faces = piece.saturating_sub(1)..(piece + 1).min(self.faces.count());
-        let held = faces.filter_map(|face| {
-            let hinge = self.hinges[face]?;
-            Some((hinge, held(self.faces, (face, face == piece), at, along)))
-        });
-        held.filter(|h| h.1 > 0.0)
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-    }
-}
-
-/// How far whole rods decide the motion of a point of the piece below a face, or above it, at a place of the section and a
-/// length along the axis (m): 1 on the face between whole rods, 0 among broken ones and far away.
-fn held(faces: &RodFaces, (face, is_below): (usize, bool), at: DVec2, along: f64) -> f64 {
-    let width = faces.wood.spacing();
-    let (mut whole, mut all) = (0.0, 0.0);
-    let mut nearest = (f64::INFINITY, 0.0);
-    for (rod, cell) in faces.wood.cells.iter().enumerate() {
-        let far = cell.centroid.distance_squared(at) / (width * width);
-        let weight = cell.area * libm::exp(-far);
-        all += weight;
-        if faces.part_before(face, rod).is_none() {
-            whole += weight;
-            if far < nearest.0 {
-                nearest = (far, faces.length(face, rod));
-            }
-        }
-    }
-    let share = whole / all.max(f64::MIN_POSITIVE);
-    let above = (along - nearest.1) / faces.wood.stem.radius;
-    let inside = if is_below { -above } else { above };
-    let near = if inside >= 0.0 {
-        smooth((HINGE.1 - inside) / (HINGE.1 - HINGE.0))
-    } else {
-        smooth((BEYOND.1 + inside) / (BEYOND.1 - BEYOND.0))
-    };
-    smooth((share - 0.25) / 0.5) * near
 }
 
 /// Adds up the weights of each joint, and leaves out those that have none.
