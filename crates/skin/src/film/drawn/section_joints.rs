@@ -21,6 +21,9 @@ pub(super) struct SectionJoint {
     pub until: u32,
     /// The follower of the rods of its own.
     pub own: usize,
+    /// The joints of its piece about it, with the weights of a mean of their motions, which then is its own: followers of few rods turn
+    /// as those do, and wood as thick as they are far apart cannot.
+    pub about: Vec<(u32, f64)>,
 }
 
 /// Two pieces that reach into each other beside a face. While they do, splinters slide along the beds that they were torn out of,
@@ -81,7 +84,18 @@ impl SectionJoints {
                 follower.pose(rods).affine() * follower.at_rest().inverse()
             })
         });
-        let mut maps: Vec<DAffine3> = maps.collect();
+        let maps: Vec<DAffine3> = maps.collect();
+        let mut maps: Vec<DAffine3> = (self.joints.iter().zip(&maps))
+            .map(|(joint, &map)| {
+                let own = joint.about.iter();
+                let own = own.filter(|(n, _)| self.joints[*n as usize].is_own(frame));
+                let about = own.map(|&(n, weight)| (maps[n as usize], weight));
+                match joint.is_own(frame) {
+                    true => mean_motion(joint.rest.translation, about).unwrap_or(map),
+                    false => map,
+                }
+            })
+            .collect();
         for interlock in &self.interlocks {
             interlock.hold(&self.joints, &mut maps);
         }
@@ -98,11 +112,16 @@ impl SectionJoints {
 
 impl SectionJoint {
     fn follower(&self, frame: usize) -> usize {
-        if frame < self.until as usize {
-            self.whole
-        } else {
+        if self.is_own(frame) {
             self.own
+        } else {
+            self.whole
         }
+    }
+
+    /// Whether it follows the rods of its own in a frame.
+    fn is_own(&self, frame: usize) -> bool {
+        frame >= self.until as usize
     }
 }
 
@@ -138,6 +157,24 @@ impl Interlock {
     }
 }
 
+/// The mean of rigid motions at a point, if there is any: where they take it, and how they turn.
+fn mean_motion(at: DVec3, motions: impl Iterator<Item = (DAffine3, f64)>) -> Option<DAffine3> {
+    let (mut place, mut turn, mut total) = (DVec3::ZERO, DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), 0.0);
+    for (map, weight) in motions {
+        place += map.transform_point3(at) * weight;
+        let one = DQuat::from_mat3(&map.matrix3);
+        let same_side = if turn.dot(one) < 0.0 { -weight } else { weight };
+        turn += one * same_side;
+        total += weight;
+    }
+    if total <= 0.0 || turn.length_squared() < 1e-12 * total * total {
+        return None;
+    }
+    let turn = DAffine3::from_quat(turn.normalize());
+    let way = place / total - turn.transform_point3(at);
+    Some(DAffine3::from_translation(way) * turn)
+}
+
 /// A smooth step from 0 to 1.
 pub(super) fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
@@ -161,6 +198,7 @@ mod tests {
             whole: 0,
             until: 0,
             own: 0,
+            about: Vec::new(),
         };
         let interlock = Interlock {
             joints: [0, SECTIONS as u32],
@@ -213,6 +251,29 @@ mod tests {
         assert!((6..SECTIONS).all(|k| moved[k].distance(rigid(k)) < 1e-12));
         // Both give way between, by no more than a twentieth of the radius past either.
         assert!(lower.iter().all(|p| p.z < 5e-4), "{lower:?}");
+    }
+
+    #[test]
+    fn the_mean_of_a_motion_is_that_motion_and_of_turns_the_one_between() {
+        let about = DVec3::new(0.3, -0.2, 0.1);
+        let turn = |angle: f64| {
+            DAffine3::from_translation(about)
+                * DAffine3::from_axis_angle(DVec3::new(0.6, 0.0, 0.8), angle)
+                * DAffine3::from_translation(-about)
+        };
+        let mean = |angles: &[(f64, f64)]| {
+            let motions = angles.iter().map(|&(angle, weight)| (turn(angle), weight));
+            mean_motion(DVec3::X, motions)
+        };
+        let same = mean(&[(2.0, 0.3), (2.0, 1.7), (2.0, 0.1)]).unwrap();
+        assert!(same.abs_diff_eq(turn(2.0), 1e-14));
+        let between = mean(&[(0.9, 1.0), (1.1, 1.0)]).unwrap();
+        assert!(between.matrix3.abs_diff_eq(turn(1.0).matrix3, 1e-14));
+        let [one, other] = [0.9, 1.1].map(|angle| turn(angle).transform_point3(DVec3::X));
+        let place = between.transform_point3(DVec3::X);
+        assert!(place.distance((one + other) / 2.0) < 1e-15);
+        assert_eq!(mean(&[]), None);
+        assert_eq!(mean(&[(1.0, 0.0)]), None);
     }
 
     #[test]

@@ -17,6 +17,8 @@ const SECTION_DISTANCE: f64 = 0.4;
 /// Length (radii) to both sides over which a joint follows the rods of a whole section, and the most, where few rods of the
 /// section are of the piece: what is slender is to be smooth, whichever rods are in it from one section to the next.
 const REACH: (f64, f64) = (0.3, 2.0);
+/// Standard deviation (radii) of the distance over which the motions of sections are smoothed.
+const SMOOTHED: f64 = 0.8;
 /// Most sections along the stem.
 const MAX_SECTIONS: usize = 400;
 /// Least share of the stem's section that the rods of a piece must have for a joint there.
@@ -63,6 +65,8 @@ struct Maker<'a> {
     area: f64,
     /// For each face, the first frame in which a rod is broken in it.
     opening: Vec<u32>,
+    /// For each follower the share of the stem's section that its rods have.
+    shares: Vec<f64>,
     made: SectionJoints,
 }
 
@@ -84,6 +88,7 @@ impl<'a> Maker<'a> {
             }
             let follower = Follower::new(followed, self.rest, wood.stem.radius);
             self.made.followers.push(follower);
+            self.shares.push(share);
             made.push(Some(self.made.followers.len() - 1));
         }
         made
@@ -129,9 +134,29 @@ impl<'a> Maker<'a> {
                 whole,
                 until: face.map_or(0, |face| self.opening[face]),
                 own,
+                about: Vec::new(),
             });
         }
+        self.smooth(first, own);
         Some(JointChain { first })
+    }
+
+    /// Has the joints from `first` on, which follow `own` at their sections, move as the mean of those about them.
+    fn smooth(&mut self, first: u32, own: &[Option<usize>]) {
+        let width = SMOOTHED * self.faces.wood.stem.radius;
+        let share = |k: usize| own[k].map_or(0.0, |follower| self.shares[follower]);
+        let about = |k: usize| {
+            let near = (0..self.along.len()).filter_map(|n| {
+                let off = (self.along[n] - self.along[k]) / width;
+                let weight = share(n) * libm::exp(-0.5 * off * off);
+                (off.abs() <= 3.0 && weight > 0.0).then_some((first + n as u32, weight))
+            });
+            near.collect()
+        };
+        let all: Vec<Vec<(u32, f64)>> = (0..self.along.len()).map(about).collect();
+        for (joint, about) in self.made.joints[first as usize..].iter_mut().zip(all) {
+            joint.about = about;
+        }
     }
 
     /// Adds the joints of a piece. `whole` are followers of all rods. `None` if there are no rods to follow.
@@ -207,6 +232,7 @@ impl<'a> Sections<'a> {
             along: section_lengths(wood),
             area: wood.cells.iter().map(|c| c.area).sum(),
             opening: faces.openings(history),
+            shares: Vec::new(),
             made: SectionJoints::default(),
         };
         let all = maker.parts(|rod, along| maker.members.of_any(rod, along));
