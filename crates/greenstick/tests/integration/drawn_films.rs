@@ -35,10 +35,13 @@ fn opened(store: Arc<MemoryRun>) -> Run {
     open_run(store, &NO_MESHES, &Context::quiet()).unwrap()
 }
 
-/// The built-in `pull`.
+/// The built-in `pull`, whose ends are drawn 5 mm apart: what came loose of either side is still beside it.
 fn pulled() -> Run {
-    static STORE: LazyLock<Arc<MemoryRun>> =
-        LazyLock::new(|| recorded(Setting::built_in("pull").unwrap()));
+    static STORE: LazyLock<Arc<MemoryRun>> = LazyLock::new(|| {
+        let mut setting = Setting::built_in("pull").unwrap();
+        setting.clamp[1].key[2].move_by = [5e-3, 0.0, 0.0];
+        recorded(setting)
+    });
     opened(STORE.clone())
 }
 
