@@ -133,7 +133,7 @@ mod tests {
         let lower = split(14.5, 4.0, 14.0);
         let upper = split(3.5, 4.0, 16.0);
         let both = [lower.clone(), lower.clone(), upper.clone()];
-        // By the longest alone, that of the upper side, 20 bonds would be hidden.
+        // By the longest alone, that of the upper side, 22 bonds would be hidden.
         assert_eq!(root(&[lower.clone(), upper.clone()]), Some(16.0));
         assert_eq!(lower.hidden(16.0), 10 + 1);
         let hidden = |root: f64| both.iter().map(|s| s.hidden(root)).sum::<usize>();
